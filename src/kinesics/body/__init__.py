@@ -1,0 +1,7 @@
+"""The body: skeleton, motion, kinematics, and any humanoid skeleton onto the 15 anatomical links ([Schultz2012] §2.6-2.16).
+
+- `kinesics.body.skeleton`, `kinesics.body.motion`: what a file holds
+- `kinesics.body.kinematics`: from joint rotations to positions
+- `kinesics.body.anatomy`: which joint is which link, and in which frame
+- `kinesics.body.pose`: the 15 quaternions, their mirror, the parts S and A
+"""

@@ -1,0 +1,204 @@
+"""A motion: a skeleton and, for every frame, the rotation of each joint (§2.15).
+
+Rotations are kept as quaternions relative to the parent joint, whatever angles the file used. World: right-handed, y up,
+metres, seconds. Frames count from 0; ranges are [start, end).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass, field
+from typing import overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinesics.body import kinematics
+from kinesics.body.skeleton import Skeleton
+from kinesics.errors import InputError
+from kinesics.geometry import quaternion
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a motion came from and how its file spoke, so that it can be written the same way."""
+
+    format: str = ""
+    """Name in the registry of formats: "bvh", "asf_amc"; "" for a motion made by the program."""
+    file_name: str = ""
+    """Without folders."""
+    sha256: str = ""
+    metres_per_unit: float = 1.0
+    """Length of the file's unit of length."""
+    up_axis: str = "y"
+    """The file's vertical axis: "x", "y", "z", or with a minus."""
+    details: dict[str, str] = field(default_factory=dict)
+    """What only this format knows and wants back on writing."""
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Skeleton and joint rotations over time.
+
+    Raises
+    ------
+    InputError
+        If shapes disagree, a value is not finite, there is no frame, or the frame rate is not positive.
+    """
+
+    skeleton: Skeleton
+    rotations: Array
+    """Of each joint relative to its parent, unit quaternions (w, x, y, z), shape (frames, joints, 4)."""
+    root_positions: Array
+    """Of the root in the world, metres, shape (frames, 3)."""
+    fps: float
+    """Frames a second."""
+    joint_translations: Array | None = None
+    """From the parent's origin to the joint's, in the parent's frame, metres, shape (frames, joints, 3), where the file
+    moves joints other than the root; it then takes the place of the skeleton's offsets. Entry 0 is `root_positions`."""
+    name: str = ""
+    source: Source = field(default_factory=Source)
+    assumptions: tuple[str, ...] = ()
+    """What was not in the file and was assumed: unit, up axis, frame rate, left and right."""
+    warnings: tuple[str, ...] = ()
+    """What looks wrong."""
+
+    def __post_init__(self) -> None:
+        """Check shapes and values once, so that nothing downstream has to."""
+        rotations = np.ascontiguousarray(self.rotations, dtype=np.float64)
+        roots = np.ascontiguousarray(self.root_positions, dtype=np.float64)
+        joints = self.skeleton.joint_count
+        if rotations.ndim != 3 or rotations.shape[1:] != (joints, 4):
+            raise InputError(f"Expected `rotations` of shape (frames, {joints}, 4), got {rotations.shape}.")
+        if len(rotations) == 0:
+            raise InputError("A motion needs at least one frame.")
+        if roots.shape != (len(rotations), 3):
+            raise InputError(f"Expected `root_positions` of shape ({len(rotations)}, 3), got {roots.shape}.")
+        if not (np.isfinite(self.fps) and self.fps > 0):
+            raise InputError(f"Expected a frame rate above 0, got {self.fps}.")
+        # a sum is finite exactly when all its terms are (overflow aside), and costs one pass
+        for label, values in (("rotations", rotations), ("root_positions", roots)):
+            if not np.isfinite(values.sum()) and not np.isfinite(values).all():
+                frame = int(np.argmax(~np.isfinite(values.reshape(len(values), -1)).all(axis=1)))
+                raise InputError(f"`{label}` is not finite in frame {frame}.")
+        norm = np.einsum("fji,fji->fj", rotations, rotations)
+        if not np.all(np.abs(norm - 1.0) < 1e-6):
+            rotations = quaternion.normalize(rotations)
+        object.__setattr__(self, "rotations", rotations)
+        object.__setattr__(self, "root_positions", roots)
+        object.__setattr__(self, "fps", float(self.fps))
+        if self.joint_translations is not None:
+            shifts = np.ascontiguousarray(self.joint_translations, dtype=np.float64)
+            if shifts.shape != (len(rotations), joints, 3):
+                raise InputError(
+                    f"Expected `joint_translations` of shape ({len(rotations)}, {joints}, 3), got {shifts.shape}."
+                )
+            if not np.isfinite(shifts).all():
+                raise InputError("`joint_translations` is not finite.")
+            object.__setattr__(self, "joint_translations", shifts)
+
+    @property
+    def frame_count(self) -> int:
+        """How many frames."""
+        return len(self.rotations)
+
+    def __len__(self) -> int:
+        """How many frames."""
+        return len(self.rotations)
+
+    @property
+    def duration(self) -> float:
+        """Seconds: frames divided by frame rate."""
+        return self.frame_count / self.fps
+
+    def positions(self) -> Array:
+        """World positions of all joints, metres, shape (frames, joints, 3)."""
+        return kinematics.forward(self.skeleton, self.rotations, self.root_positions, self.joint_translations).positions
+
+    def global_rotations(self) -> Array:
+        """World orientations of all joints, quaternions, shape (frames, joints, 4)."""
+        return kinematics.global_rotations(self.skeleton, self.rotations)
+
+    def replace(self, **changes: object) -> Motion:
+        """A copy with some fields changed."""
+        return dataclasses.replace(self, **changes)  # type: ignore[arg-type]
+
+    @overload
+    def __getitem__(self, item: slice) -> Motion: ...
+    @overload
+    def __getitem__(self, item: int) -> Motion: ...
+    def __getitem__(self, item: slice | int) -> Motion:
+        """Frames ``[start:end]`` as a motion of its own; a step divides the frame rate; one index gives one frame.
+
+        Raises
+        ------
+        InputError
+            If no frame is left, or the step is negative (`reverse` plays backwards).
+        """
+        if isinstance(item, int):
+            index = item + self.frame_count if item < 0 else item
+            if not 0 <= index < self.frame_count:
+                raise IndexError(f"Frame {item} of a motion of {self.frame_count} frames.")
+            item = slice(index, index + 1)
+        start, stop, step = item.indices(self.frame_count)
+        if step < 0:
+            raise InputError("Expected a positive step; `kinesics.reverse` plays a motion backwards.")
+        if start >= stop:
+            raise InputError(f"No frame is left of {self.frame_count} by [{item.start}:{item.stop}].")
+        return self._frames(slice(start, stop, step), self.fps / step)
+
+    def _frames(self, item: slice, fps: float) -> Motion:
+        shifts = None if self.joint_translations is None else self.joint_translations[item]
+        return self.replace(
+            rotations=self.rotations[item],
+            root_positions=self.root_positions[item],
+            joint_translations=shifts,
+            fps=fps,
+        )
+
+    def resample(self, fps: float) -> Motion:
+        """The same movement at another frame rate: joints by spherical interpolation, positions linearly.
+
+        New frame k lies at time k / fps; the last one is the last that the recording reaches. Nothing is smoothed, so a
+        lower rate keeps frames that fall on the same times to the last bit.
+
+        Raises
+        ------
+        InputError
+            If ``fps`` is not positive.
+        """
+        if not (np.isfinite(fps) and fps > 0):
+            raise InputError(f"Expected a frame rate above 0, got {fps}.")
+        if fps == self.fps or self.frame_count == 1:
+            return self.replace(fps=fps)
+        last = self.frame_count - 1
+        # the tolerance keeps the last frame where the quotient falls short of a whole number by rounding
+        times = np.arange(int(np.floor(last / self.fps * fps + 1e-9)) + 1) * (self.fps / fps)
+        left = np.minimum(np.floor(times + 1e-9).astype(np.intp), last)
+        right = np.minimum(left + 1, last)
+        t = np.clip(times - left, 0.0, 1.0)
+        t[t < 1e-9] = 0.0
+        between = t > 0.0
+
+        def linear(values: Array) -> Array:
+            shaped = t.reshape(-1, *(1,) * (values.ndim - 1))
+            return np.asarray(values[left] * (1.0 - shaped) + values[right] * shaped)
+
+        rotations = self.rotations[left]
+        if between.any():
+            rotations[between] = quaternion.slerp(
+                self.rotations[left[between]], self.rotations[right[between]], t[between, None]
+            )
+        return self.replace(
+            rotations=rotations,
+            root_positions=linear(self.root_positions),
+            joint_translations=None if self.joint_translations is None else linear(self.joint_translations),
+            fps=fps,
+        )
+
+
+def reverse(motion: Motion) -> Motion:
+    """The motion played backwards: the last frame first (§3.2.4)."""
+    return motion._frames(slice(None, None, -1), motion.fps)
