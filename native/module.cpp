@@ -1,0 +1,19 @@
+// kinesics._native: the compiled kernels. One bind_ function for each source file.
+#include <nanobind/nanobind.h>
+
+namespace nb = nanobind;
+
+void bind_similarity(nb::module_ &m);
+void bind_kinematics(nb::module_ &m);
+#ifdef KINESICS_TEXT
+void bind_text(nb::module_ &m);
+#endif
+
+NB_MODULE(_native, m) {
+    m.doc() = "Compiled kernels of kinesics; nothing here checks values, its callers do.";
+    bind_similarity(m);
+    bind_kinematics(m);
+#ifdef KINESICS_TEXT
+    bind_text(m);
+#endif
+}
