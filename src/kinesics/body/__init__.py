@@ -1,4 +1,4 @@
-"""The body: skeleton, motion, kinematics, and any humanoid skeleton onto the 15 anatomical links ([Schultz2012] §2.6-2.16).
+"""The body: skeleton, motion, kinematics, any humanoid skeleton onto the 15 links ([Schultz2012] §2.6-2.16).
 
 - `kinesics.body.skeleton`, `kinesics.body.motion`: what a file holds
 - `kinesics.body.kinematics`: from joint rotations to positions

@@ -108,7 +108,10 @@ class PoseSequence:
     def mirror(self) -> PoseSequence:
         """The mirrored path WΨ(t): left and right change places, yaw and x change sign (§2.10)."""
         return dataclasses.replace(
-            self, quaternions=mirror(self.quaternions), yaw=-self.yaw, ground=self.ground * np.array([-1.0, 1.0])
+            self,
+            quaternions=mirror(self.quaternions),
+            yaw=-self.yaw,
+            ground=self.ground * np.array([-1.0, 1.0]),
         )
 
     def parts(self) -> SymmetryParts:

@@ -1,0 +1,168 @@
+"""What a file does not say: its unit of length and which way is up, judged by the body in it."""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinesics.body import roles as _roles
+from kinesics.body.skeleton import Skeleton
+from kinesics.errors import InputError
+from kinesics.geometry import quaternion
+
+Array = NDArray[np.float64]
+
+UNITS: Final[dict[str, float]] = {
+    "m": 1.0,
+    "cm": 0.01,
+    "mm": 0.001,
+    "in": 0.0254,
+    "ft": 0.3048,
+    "asf": 0.0254 / 0.45,
+}
+"""Metres in one unit; "asf" is the unit of the CMU database's skeleton files, 1/0.45 inch."""
+
+_UNIT_NAMES: Final = {
+    "m": "metres",
+    "cm": "centimetres",
+    "mm": "millimetres",
+    "in": "inches",
+    "ft": "feet",
+    "asf": "CMU's ASF units (1/0.45 inch)",
+}
+_TYPICAL_LEG: Final = 0.82
+"""Metres from hip joint to ankle of a grown-up: .245 + .246 of the height (Drillis and Contini 1966), 1.70 m."""
+_TYPICAL_SIZE: Final = 1.7
+
+
+class Conventions(NamedTuple):
+    """How a file's lengths and axes relate to metres and y up."""
+
+    metres_per_unit: float
+    up_axis: str
+    """"x", "y", "z" or with a minus."""
+    assumptions: tuple[str, ...]
+
+
+def detect(
+    skeleton: Skeleton, positions: Array, *, unit: str | float | None = None, up: str | None = None
+) -> Conventions:
+    """Judge unit and up axis by the body.
+
+    Parameters
+    ----------
+    skeleton : in the file's unit.
+    positions : of all joints in the file's world and unit, shape (frames, joints, 3); a sample of frames is enough.
+    unit, up : what the user says, in place of a judgement: a name of `UNITS` or metres a unit; an axis such as "z" or "-y".
+
+    Raises
+    ------
+    InputError
+        If ``unit`` or ``up`` is none that exists.
+    """
+    said: list[str] = []
+    body: dict[str, int] = _roles.by_name(skeleton)
+    if up is None:
+        up_axis, why = _detect_up(positions, body)
+        said.append(f"up axis {up_axis}: {why}")
+    else:
+        up_axis = up.lower().replace("+", "")
+        if up_axis not in ("x", "y", "z", "-x", "-y", "-z"):
+            raise InputError(f'Expected an up axis such as "y", "z" or "-y", got "{up}".')
+    if unit is None:
+        scale, why = _detect_unit(skeleton, positions, body)
+        said.append(why)
+    else:
+        scale = unit_scale(unit)
+    return Conventions(scale, up_axis, tuple(said))
+
+
+def unit_scale(unit: str | float) -> float:
+    """Metres in a unit given by name or as a number of metres.
+
+    Raises
+    ------
+    InputError
+        If there is no such unit.
+    """
+    if isinstance(unit, str) and unit in UNITS:
+        return UNITS[unit]
+    try:
+        scale = float(unit)
+    except ValueError:
+        scale = 0.0
+    if not (np.isfinite(scale) and scale > 0):
+        raise InputError(f'Expected a unit ({", ".join(UNITS)}) or a number of metres, got "{unit}".')
+    return scale
+
+
+def to_y_up(up_axis: str) -> Array:
+    """The rotation that turns a world with the given up axis into one with y up, keeping it right-handed. Shape (4,).
+
+    For "z" the file's −y becomes +z (a quarter turn about x).
+    """
+    half = np.sqrt(0.5)
+    return np.array(
+        {
+            "y": [1.0, 0.0, 0.0, 0.0],
+            "z": [half, -half, 0.0, 0.0],
+            "x": [half, 0.0, 0.0, half],
+            "-y": [0.0, 1.0, 0.0, 0.0],
+            "-z": [half, half, 0.0, 0.0],
+            "-x": [half, 0.0, 0.0, -half],
+        }[up_axis]
+    )
+
+
+def rotate_world(rotation: Array, root_rotations: Array, root_positions: Array) -> tuple[Array, Array]:
+    """Turn a motion's root by a rotation of the world. Shapes (4,), (frames, 4), (frames, 3)."""
+    return quaternion.multiply(rotation, root_rotations), quaternion.rotate(rotation, root_positions)
+
+
+def _detect_up(positions: Array, body: dict[str, int]) -> tuple[str, str]:
+    feet = [body[k] for k in ("left_foot", "right_foot", "left_tibia", "right_tibia") if k in body][:2]
+    if "head" in body and feet:
+        rise = positions[:, body["head"]] - positions[:, feet].mean(axis=1)
+        size = np.linalg.norm(rise, axis=1)
+        share = (rise / np.maximum(size, 1e-12)[:, None]).mean(axis=0)
+        axis = int(np.argmax(np.abs(share)))
+        # most of the time the head is over the feet; a clip spent lying down tells nothing, and y is the custom
+        if abs(share[axis]) > 0.6:
+            name = ("-" if share[axis] < 0 else "") + "xyz"[axis]
+            return name, "the head is over the feet along it"
+        return "y", "by custom, for the body does not stand in this recording"
+    return "y", "by custom, for head and feet are not known"
+
+
+def _detect_unit(skeleton: Skeleton, positions: Array, body: dict[str, int]) -> tuple[float, str]:
+    lengths = []
+    for side in ("left", "right"):
+        hip, knee, ankle = (body.get(f"{side}_{part}") for part in ("femur", "tibia", "foot"))
+        if hip is not None and knee is not None and ankle is not None:
+            lengths.append(
+                float(
+                    np.median(
+                        np.linalg.norm(positions[:, knee] - positions[:, hip], axis=1)
+                        + np.linalg.norm(positions[:, ankle] - positions[:, knee], axis=1)
+                    )
+                )
+            )
+    if lengths:
+        measured, typical, what = float(np.mean(lengths)), _TYPICAL_LEG, "from hip to ankle"
+    else:
+        span = np.ptp(positions, axis=1)
+        measured, typical, what = (
+            float(np.median(np.linalg.norm(span, axis=1))),
+            _TYPICAL_SIZE,
+            "across the body",
+        )
+    if measured <= 0:
+        return 0.01, "unit centimetres: by custom, for the body has no size"
+    name = min(UNITS, key=lambda u: abs(np.log(measured * UNITS[u] / typical)))
+    size = measured * UNITS[name]
+    text = f"unit {_UNIT_NAMES[name]}: {measured:.4g} units {what} make {size:.2f} m"
+    if not 0.4 < size / typical < 1.6:
+        text += ", which is no grown-up's size"
+    return UNITS[name], text
