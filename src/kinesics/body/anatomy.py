@@ -341,7 +341,7 @@ def _frames_from_bones(skeleton: Skeleton, roles: Roles, positions: Array, world
         frames[j] = neutral(j, chest)
 
     for side in _SIDES:
-        (femur, knee, down), (tibia, foot, _), (humerus, elbow, out), (radius, hand, _) = _limbs(roles, side)
+        (femur, _knee, down), (tibia, foot, _), (humerus, _elbow, out), (radius, hand, _) = _limbs(roles, side)
         for upper, lower, end, target, trunk_frame, bends in (
             (femur, tibia, foot, down, pelvis, -1.0),
             (humerus, radius, hand, out, chest, 1.0),

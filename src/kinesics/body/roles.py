@@ -236,7 +236,7 @@ def complete(skeleton: Skeleton, found: Mapping[str, int], naming: str) -> Roles
             ("radius", "hand"),
         ):
             a, b = (
-                found[f"{side}_{upper}"] if f"{side}_{upper}" in found else None,
+                found.get(f"{side}_{upper}", None),
                 found.get(f"{side}_{lower}"),
             )
             if a is not None and b is not None and a not in _ancestors(skeleton, b):
@@ -379,7 +379,8 @@ def by_shape(skeleton: Skeleton, positions: Array) -> dict[str, int] | None:
     best: tuple[float, dict[str, int]] | None = None
     for at_legs, legs in paths:
         for at_arms, arms in paths:
-            if at_legs == at_arms or at_legs not in (at_arms, *_ancestors(skeleton, at_arms)):
+            above = _ancestors(skeleton, at_arms)
+            if at_legs not in above or any(leg in (at_arms, *above) for leg in legs):
                 continue
             leg_reach, arm_reach = _reach(skeleton, legs[0]), _reach(skeleton, arms[0])
             if not 0.35 < arm_reach / max(leg_reach, 1e-9) < 1.6:
@@ -391,6 +392,8 @@ def by_shape(skeleton: Skeleton, positions: Array) -> dict[str, int] | None:
             if any(limb is None for limb in limbs):
                 continue
             leg_p, leg_q, arm_p, arm_q = (limb for limb in limbs if limb is not None)
+            if not (_equal_bones(skeleton, leg_p, leg_q) and _equal_bones(skeleton, arm_p, arm_q)):
+                continue
             if not _upright(positions, leg_p, leg_q, at_legs, at_arms):
                 continue
             first_is_left = _first_is_left(positions, leg_p, leg_q, at_legs, at_arms)
@@ -556,6 +559,12 @@ def _limb_joints(skeleton: Skeleton, branch: int) -> tuple[int, int, int | None]
         return None
     end = way[upper + 2] if upper + 2 < len(way) else None
     return way[upper], way[upper + 1], end
+
+
+def _equal_bones(skeleton: Skeleton, p: tuple[int, int, int | None], q: tuple[int, int, int | None]) -> bool:
+    """Whether the upper bones of two limbs are as long as each other, to a seventh: bodies are no more exact."""
+    a, b = (float(np.linalg.norm(skeleton.offsets[limb[1]])) for limb in (p, q))
+    return abs(a - b) < max(a, b) / 7
 
 
 def _head_above(skeleton: Skeleton, chest: int, arms: tuple[int, int]) -> int | None:
