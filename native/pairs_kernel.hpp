@@ -1,0 +1,205 @@
+// The pair kernels, written once over a vector type V. Each code path includes this file in a source compiled with its own
+// flags; all is in an unnamed namespace and nothing from the standard library is called, so that no function built for a
+// newer processor can be picked by the linker for an older one.
+//
+// V offers: width, rows (rows of pairs held in registers at once), reg, load, broadcast, store, stream, add, sub, mul,
+// fma (a b + c), fnma (c - a b), abs, max, sqrt, exp2, transpose.
+#pragma once
+
+#include "pairs.hpp"
+
+namespace {
+
+using namespace kinesics;
+
+template <class V>
+struct Pairs {
+    using reg = typename V::reg;
+    static constexpr int R = V::rows;
+    static constexpr int W = V::width;
+
+    // R rows against W columns: D, and with Mirror D* too.
+    template <bool Mirror>
+    static inline void distances(const float *row, const float *column, float root_constant, reg *d, reg *dm) {
+        reg sum[R], sum_m[R];
+        for (int r = 0; r < R; ++r) sum[r] = sum_m[r] = V::broadcast(0.f);
+
+        for (int link = 0; link < kAxial; ++link) {
+            const float *a = row + 4 * link * kLanes;
+            const float *b = column + 4 * link * kLanes;
+            const reg bw = V::load(b), bx = V::load(b + kLanes), by = V::load(b + 2 * kLanes), bz = V::load(b + 3 * kLanes);
+#pragma GCC unroll 16
+            for (int r = 0; r < R; ++r) {
+                // q.(w g) differs from q.g only in the sign of y and z: both share the halves
+                const reg wx = V::fma(V::broadcast(a[kLanes + r]), bx, V::mul(V::broadcast(a[r]), bw));
+                if constexpr (Mirror) {
+                    const reg yz =
+                        V::fma(V::broadcast(a[3 * kLanes + r]), bz, V::mul(V::broadcast(a[2 * kLanes + r]), by));
+                    sum[r] = V::add(sum[r], V::abs(V::add(wx, yz)));
+                    sum_m[r] = V::add(sum_m[r], V::abs(V::sub(wx, yz)));
+                } else {
+                    const reg wxy = V::fma(V::broadcast(a[2 * kLanes + r]), by, wx);
+                    sum[r] = V::add(sum[r], V::abs(V::fma(V::broadcast(a[3 * kLanes + r]), bz, wxy)));
+                }
+            }
+        }
+        for (int pair = 0; pair < kLimbPairs; ++pair) {
+            for (int side = 0; side < 2; ++side) {
+                // one limb of the columns, against the same limb of the rows (D) and against its partner (D*)
+                const float *b = column + (kLimbRow + 8 * pair + 4 * side) * kLanes;
+                const float *same = row + (kLimbRow + 8 * pair + 4 * side) * kLanes;
+                const float *other = row + (kLimbRow + 8 * pair + 4 * (1 - side)) * kLanes;
+                const reg bw = V::load(b), bx = V::load(b + kLanes), by = V::load(b + 2 * kLanes),
+                          bz = V::load(b + 3 * kLanes);
+#pragma GCC unroll 16
+                for (int r = 0; r < R; ++r) {
+                    reg dot = V::mul(V::broadcast(same[r]), bw);
+                    dot = V::fma(V::broadcast(same[kLanes + r]), bx, dot);
+                    dot = V::fma(V::broadcast(same[2 * kLanes + r]), by, dot);
+                    dot = V::fma(V::broadcast(same[3 * kLanes + r]), bz, dot);
+                    sum[r] = V::add(sum[r], V::abs(dot));
+                    if constexpr (Mirror) {
+                        reg dot_m = V::mul(V::broadcast(other[r]), bw);
+                        dot_m = V::fma(V::broadcast(other[kLanes + r]), bx, dot_m);
+                        dot_m = V::fnma(V::broadcast(other[2 * kLanes + r]), by, dot_m);
+                        dot_m = V::fnma(V::broadcast(other[3 * kLanes + r]), bz, dot_m);
+                        sum_m[r] = V::add(sum_m[r], V::abs(dot_m));
+                    }
+                }
+            }
+        }
+        const float *g = row + kGravityRow * kLanes;
+        const float *h = column + kGravityRow * kLanes;
+        const reg hx = V::load(h), hy = V::load(h + kLanes), hz = V::load(h + 2 * kLanes);
+        const reg zero = V::broadcast(0.f), one = V::broadcast(1.f), constant = V::broadcast(root_constant);
+#pragma GCC unroll 16
+        for (int r = 0; r < R; ++r) {
+            const reg x = V::mul(V::broadcast(g[r]), hx);
+            reg yz = V::fma(V::broadcast(g[kLanes + r]), hy, constant);
+            yz = V::fma(V::broadcast(g[2 * kLanes + r]), hz, yz);
+            // opposite directions: rounding may leave less than nothing under the root
+            d[r] = V::max(zero, V::sub(one, V::add(sum[r], V::sqrt(V::max(zero, V::add(yz, x))))));
+            if constexpr (Mirror)
+                dm[r] = V::max(zero, V::sub(one, V::add(sum_m[r], V::sqrt(V::max(zero, V::sub(yz, x))))));
+        }
+    }
+
+    // Rows [row0, row0 + count_r) against columns [column0, column0 + count_c), in lanes counted with the lead, into scratch.
+    template <bool Mirror, bool Exp>
+    static void fill(const Job &job, std::int64_t row0, int count_r, std::int64_t column0, int count_c, int stride,
+                     float *out, float *out_m) {
+        const reg scale = V::broadcast(job.scale);
+        for (int c = 0; c < count_c; c += W) {
+            const std::int64_t lane = column0 + c;
+            const float *column = job.b.blocks + (lane / kLanes) * kBlockFloats + lane % kLanes;
+            for (int r0 = 0; r0 < count_r; r0 += R) {
+                const std::int64_t frame = row0 + r0;
+                const float *row = job.a.blocks + (frame / kLanes) * kBlockFloats + frame % kLanes;
+                reg d[R], dm[R];
+                distances<Mirror>(row, column, job.a.root_constant, d, dm);
+#pragma GCC unroll 16
+                for (int r = 0; r < R; ++r) {
+                    const std::size_t at = std::size_t(r0 + r) * stride + c;
+                    V::store(out + at, Exp ? V::exp2(V::mul(d[r], scale)) : d[r]);
+                    if constexpr (Mirror) V::store(out_m + at, Exp ? V::exp2(V::mul(dm[r], scale)) : dm[r]);
+                }
+            }
+        }
+    }
+
+    static void fill_any(const Job &job, std::int64_t row0, int count_r, std::int64_t column0, int count_c, int stride,
+                         float *out, float *out_m) {
+        if (out_m != nullptr) {
+            if (job.similarity)
+                fill<true, true>(job, row0, count_r, column0, count_c, stride, out, out_m);
+            else
+                fill<true, false>(job, row0, count_r, column0, count_c, stride, out, out_m);
+        } else if (job.similarity) {
+            fill<false, true>(job, row0, count_r, column0, count_c, stride, out, out_m);
+        } else {
+            fill<false, false>(job, row0, count_r, column0, count_c, stride, out, out_m);
+        }
+    }
+
+    static inline void copy_row(float *to, const float *from, std::int64_t count, bool stream) {
+        std::int64_t i = 0;
+        if (stream) {
+            // whole cache lines go past the caches: nothing is read back, and the poses stay in them
+            for (; i < count && (reinterpret_cast<std::uintptr_t>(to + i) & 63) != 0; ++i) to[i] = from[i];
+            for (; i + kLanes <= count; i += kLanes)
+                for (int k = 0; k < kLanes; k += W) V::stream(to + i + k, V::load_unaligned(from + i + k));
+        }
+        for (; i + W <= count; i += W) V::store_unaligned(to + i, V::load_unaligned(from + i));
+        for (; i < count; ++i) to[i] = from[i];
+    }
+
+    static void transpose(const float *from, float *to) {
+        for (int r = 0; r < kTile; r += W)
+            for (int c = 0; c < kTile; c += W)
+                V::transpose(from + r * kScratchStride + c, to + c * kScratchStride + r, kScratchStride);
+    }
+
+    // The span of tile I: first lane with a frame in it, and how many frames.
+    struct Span {
+        std::int64_t frame;
+        int skip;
+        int count;
+    };
+    static Span span(const Packed &p, std::int64_t I) {
+        const std::int64_t from = I * kTile < p.lead ? p.lead : I * kTile;
+        const std::int64_t last = p.lead + p.frames;
+        const std::int64_t to = (I + 1) * kTile < last ? (I + 1) * kTile : last;
+        return {from - p.lead, int(from - I * kTile), int(to - from)};
+    }
+
+    static int in_blocks(int count) { return (count + kLanes - 1) / kLanes * kLanes; }
+
+    static void symmetric_tile(const Job &job, std::int64_t I, std::int64_t J) {
+        alignas(64) float d[kTile * kScratchStride];
+        alignas(64) float dm[kTile * kScratchStride];
+        alignas(64) float turned[kTile * kScratchStride];
+        const Span rows = span(job.a, I), columns = span(job.a, J);
+        fill_any(job, I * kTile, in_blocks(rows.skip + rows.count), J * kTile, in_blocks(columns.skip + columns.count),
+                 kScratchStride, d, job.out_mirror ? dm : nullptr);
+        float *scratch[2] = {d, dm};
+        float *out[2] = {job.out, job.out_mirror};
+        for (int m = 0; m < 2; ++m) {
+            if (out[m] == nullptr) continue;
+            if (I == J) {
+                // the lower half is a copy: D* adds a limb pair in another order there and may differ in the last bit
+                for (int r = 1; r < kTile; ++r)
+                    for (int c = 0; c < r; ++c) scratch[m][r * kScratchStride + c] = scratch[m][c * kScratchStride + r];
+                if (m == 0)  // a pose is at distance 0 from itself, whatever rounding says
+                    for (int r = 0; r < kTile; ++r) d[r * kScratchStride + r] = job.similarity ? 1.f : 0.f;
+            }
+            for (int r = 0; r < rows.count; ++r)
+                copy_row(out[m] + (rows.frame + r) * job.row_stride + columns.frame,
+                         scratch[m] + (rows.skip + r) * kScratchStride + columns.skip, columns.count, job.stream);
+            if (I == J) continue;
+            transpose(scratch[m], turned);
+            for (int c = 0; c < columns.count; ++c)
+                copy_row(out[m] + (columns.frame + c) * job.row_stride + rows.frame,
+                         turned + (columns.skip + c) * kScratchStride + rows.skip, rows.count, job.stream);
+        }
+    }
+
+    static void tile(const Job &job, std::int64_t I, std::int64_t J) {
+        alignas(64) float d[kTile * kScratchStride];
+        alignas(64) float dm[kTile * kScratchStride];
+        const Span rows = span(job.a, I), columns = span(job.b, J);
+        fill_any(job, I * kTile, in_blocks(rows.skip + rows.count), J * kTile, in_blocks(columns.skip + columns.count),
+                 kScratchStride, d, job.out_mirror ? dm : nullptr);
+        const float *scratch[2] = {d, dm};
+        float *out[2] = {job.out, job.out_mirror};
+        for (int m = 0; m < 2; ++m) {
+            if (out[m] == nullptr) continue;
+            for (int r = 0; r < rows.count; ++r)
+                copy_row(out[m] + (rows.frame + r) * job.row_stride + columns.frame,
+                         scratch[m] + (rows.skip + r) * kScratchStride + columns.skip, columns.count, job.stream);
+        }
+    }
+
+    static constexpr Kernels kernels(const char *name) { return {name, symmetric_tile, tile}; }
+};
+
+}  // namespace
