@@ -1,12 +1,14 @@
 """Unit quaternions ``(w, x, y, z)``: scalar first, Hamilton product, active rotation ([Schultz2012] §2.2).
 
 Every function is batched: leading axes broadcast as in NumPy. ``q`` and ``−q`` are the same rotation and every
-function that returns a rotation treats them alike.
+function that returns a rotation treats them alike. Angles are radians. Euler angles: `kinesics.geometry.euler`.
 
-- make: `identity`, `from_rotvec` (exponential), `from_matrix`, `from_axis_angle`, `between`
+- make: `identity`, `from_rotvec` (exponential), `from_matrix`, `from_axis_angle`, `between`, `normalize`
 - combine: `multiply`, `conjugate`, `rotate`, `power`, `slerp`, `mean`
-- take apart: `as_rotvec` (logarithm), `as_matrix`, `angle`, `swing_twist`, `yaw_tilt`
+- take apart: `as_rotvec` (logarithm), `as_axis_angle` (Euler pole), `as_matrix`, `angle`, `swing_twist`, `yaw_tilt`
+- signs: `canonical` (for storage), `continuous` (along time)
 - the mirror: `mirror` (the operator w of §2.10)
+- other libraries: `as_scalar_last`, `from_scalar_last`
 """
 
 from __future__ import annotations
@@ -16,7 +18,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kinesics.errors import InputError
+
 Array = NDArray[np.float64]
+
+
+class AxisAngle(NamedTuple):
+    """A rotation as Euler's theorem gives it: a turn by one angle about one axis (§2.1)."""
+
+    axis: Array
+    """The Euler pole, a unit vector, shape (..., 3); +x where the rotation turns nothing and has no pole."""
+    angle: Array
+    """Radians in [0, π], shape (...)."""
 
 
 class SwingTwist(NamedTuple):
@@ -49,14 +62,22 @@ def normalize(q: ArrayLike) -> Array:
 
     Raises
     ------
-    ValueError
-        If a quaternion is zero or not finite.
+    InputError
+        If a quaternion is zero or not finite; the message has the index of the first.
     """
-    q = np.asarray(q, dtype=np.float64)
-    norm = np.sqrt(np.einsum("...i,...i->...", q, q))[..., None]
-    if not (np.all(np.isfinite(norm)) and np.all(norm > 0.0)):
-        raise ValueError("Expected finite quaternions that are not zero.")
-    return q / norm
+    values = _components(q, 4, "quaternions")
+    squared = np.einsum("...i,...i->...", values, values)[..., None]
+    if not np.all((squared > 1e-200) & (squared < 1e200)):
+        # the squares of very large or small components leave the range of floats: scale by the largest first
+        largest = np.max(np.abs(values), axis=-1, keepdims=True)
+        bad = ~(np.isfinite(largest) & (largest > 0.0))
+        if bad.any():
+            index = tuple(int(i) for i in np.argwhere(bad[..., 0])[0])
+            at = f" at index {index if len(index) > 1 else index[0]}" if index else ""
+            raise InputError(f"Expected finite quaternions that are not zero, got {values[index].tolist()}{at}.")
+        values = values / largest
+        squared = np.einsum("...i,...i->...", values, values)[..., None]
+    return np.asarray(values / np.sqrt(squared))
 
 
 def multiply(a: ArrayLike, b: ArrayLike) -> Array:
@@ -75,7 +96,7 @@ def multiply(a: ArrayLike, b: ArrayLike) -> Array:
 
 def conjugate(q: ArrayLike) -> Array:
     """The inverse rotation of unit quaternions. Shape (..., 4) to (..., 4)."""
-    return np.asarray(q, dtype=np.float64) * np.array([1.0, -1.0, -1.0, -1.0])
+    return np.asarray(np.multiply(q, [1.0, -1.0, -1.0, -1.0]), dtype=np.float64)
 
 
 def rotate(q: ArrayLike, v: ArrayLike) -> Array:
@@ -90,7 +111,7 @@ def rotate(q: ArrayLike, v: ArrayLike) -> Array:
 
 def mirror(q: ArrayLike) -> Array:
     """The reflection operator w of §2.10: ``(w, x, −y, −z)``, the rotation ``F R F`` with ``F = diag(−1, 1, 1)``."""
-    return np.asarray(q, dtype=np.float64) * np.array([1.0, 1.0, -1.0, -1.0])
+    return np.asarray(np.multiply(q, [1.0, 1.0, -1.0, -1.0]), dtype=np.float64)
 
 
 def canonical(q: ArrayLike) -> Array:
@@ -100,12 +121,32 @@ def canonical(q: ArrayLike) -> Array:
 
 
 def from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Array:
-    """Turn by ``angle`` radians (...) about ``axis`` (..., 3), which need not be of length 1 (Euler pole, §2.1)."""
-    axis = np.asarray(axis, dtype=np.float64)
-    norm = np.linalg.norm(axis, axis=-1, keepdims=True)
-    if not np.all(norm > 0.0):
-        raise ValueError("Expected an axis that is not zero.")
-    return from_rotvec(axis / norm * np.asarray(angle, dtype=np.float64)[..., None])
+    """Turn by ``angle`` radians (...) about ``axis`` (..., 3), which need not be of length 1 (Euler pole, §2.1).
+
+    Raises
+    ------
+    InputError
+        If an axis is zero or not finite.
+    """
+    half = 0.5 * np.asarray(angle, dtype=np.float64)[..., None]
+    vector = np.sin(half) * _unit(axis, "axis")
+    return np.concatenate([np.broadcast_to(np.cos(half), (*vector.shape[:-1], 1)), vector], axis=-1)
+
+
+def as_axis_angle(q: ArrayLike) -> AxisAngle:
+    """Euler pole and angle (§2.1), right for every angle: shape (..., 4) to (..., 3) and (...).
+
+    The dissertation's θ = cos⁻¹((tr R − 1)/2), ω = (r₃₂−r₂₃, r₁₃−r₃₁, r₂₁−r₁₂)/(2 sin θ) loses half its digits near 0
+    and all of them near π; here both come from the quaternion's vector.
+    """
+    q = canonical(q)
+    vector = q[..., 1:]
+    # scaled first, so that the square of a tiny vector does not vanish
+    largest = np.max(np.abs(vector), axis=-1, keepdims=True)
+    turns = largest > 0.0
+    scaled = np.where(turns, vector / np.where(turns, largest, 1.0), np.array([1.0, 0.0, 0.0]))
+    length = np.linalg.norm(scaled, axis=-1, keepdims=True)
+    return AxisAngle(scaled / length, 2.0 * np.arctan2((largest * length)[..., 0], q[..., 0]))
 
 
 def from_rotvec(rotvec: ArrayLike) -> Array:
@@ -133,7 +174,7 @@ def angle(a: ArrayLike, b: ArrayLike | None = None) -> Array:
     if b is not None:
         q = multiply(conjugate(q), b)
     # atan2 stays exact near 0, where arccos of the dot product loses half its digits
-    return 2.0 * np.arctan2(np.linalg.norm(q[..., 1:], axis=-1), np.abs(q[..., 0]))
+    return np.asarray(2.0 * np.arctan2(np.linalg.norm(q[..., 1:], axis=-1), np.abs(q[..., 0])))
 
 
 def as_matrix(q: ArrayLike) -> Array:
@@ -157,8 +198,27 @@ def from_matrix(matrix: ArrayLike) -> Array:
     """Quaternions (..., 4) of rotation matrices (..., 3, 3).
 
     The largest of the four squared components is taken first (Shepperd 1978), so that no angle is special.
+
+    Raises
+    ------
+    InputError
+        If a matrix is no rotation: not finite, RᵀR off the identity by more than 1e-3, or a reflection (det R < 0).
     """
-    m = np.asarray(matrix, dtype=np.float64)
+    m: Array = np.asarray(matrix, dtype=np.float64)
+    if m.shape[-2:] != (3, 3):
+        raise InputError(f"Expected rotation matrices of shape (..., 3, 3), got {m.shape}.")
+    if not np.isfinite(m).all():
+        raise InputError("Expected rotation matrices (RᵀR = I, det R = 1). There is one that is not finite.")
+    off = np.abs(np.swapaxes(m, -1, -2) @ m - np.eye(3)).max(axis=(-2, -1))
+    determinant = np.sum(m[..., 0] * _cross(m[..., 1], m[..., 2]), axis=-1)
+    bad = ~((off < 1e-3) & (determinant > 0.0))
+    if bad.any():
+        index = tuple(int(i) for i in np.argwhere(bad)[0])
+        at = f" Matrix {index if len(index) > 1 else index[0]}" if index else " It"
+        raise InputError(
+            f"Expected rotation matrices (RᵀR = I, det R = 1).{at} is off by {off[index]:.3g}, "
+            f"with determinant {determinant[index]:.3g}."
+        )
     d0, d1, d2 = m[..., 0, 0], m[..., 1, 1], m[..., 2, 2]
     four_squares = np.stack([1 + d0 + d1 + d2, 1 + d0 - d1 - d2, 1 - d0 + d1 - d2, 1 - d0 - d1 + d2], axis=-1)
     s_x, s_y, s_z = m[..., 2, 1] + m[..., 1, 2], m[..., 0, 2] + m[..., 2, 0], m[..., 1, 0] + m[..., 0, 1]
@@ -181,19 +241,25 @@ def from_matrix(matrix: ArrayLike) -> Array:
 def between(a: ArrayLike, b: ArrayLike) -> Array:
     """The smallest rotation that turns direction ``a`` onto direction ``b``. Shapes (..., 3) to (..., 4).
 
-    For opposite directions any axis at right angles will do; the one chosen lies in the plane of ``a`` and the
-    coordinate axis that ``a`` is least along, turned by a right angle.
+    For opposite directions any axis at right angles will do; the one chosen is also at right angles to the coordinate
+    axis that ``a`` is least along.
+
+    Raises
+    ------
+    InputError
+        If a direction is zero or not finite.
     """
-    a = np.asarray(a, dtype=np.float64)
-    b = np.asarray(b, dtype=np.float64)
-    a = a / np.linalg.norm(a, axis=-1, keepdims=True)
-    b = b / np.linalg.norm(b, axis=-1, keepdims=True)
-    a, b = np.broadcast_arrays(a, b)
-    q = np.concatenate([1.0 + np.sum(a * b, axis=-1, keepdims=True), _cross(a, b)], axis=-1)
-    opposite = q[..., 0] < 1e-12
+    a, b = np.broadcast_arrays(_unit(a, "direction"), _unit(b, "direction"))
+    # The turn of a onto the direction halfway, twice. Its cosine is |a + b|/2, which keeps its digits near opposite
+    # directions, where 1 + a·b (or a · halfway) would lose half of them.
+    halfway = a + b
+    length = np.linalg.norm(halfway, axis=-1, keepdims=True)
+    opposite = length < 1e-15
+    halfway = halfway / np.where(opposite, 1.0, length)
+    q = np.concatenate([0.5 * length, _cross(a, halfway)], axis=-1)
     if np.any(opposite):
         least = np.eye(3)[np.argmin(np.abs(a), axis=-1)]
-        q = np.where(opposite[..., None], np.concatenate([np.zeros_like(q[..., :1]), _cross(a, least)], axis=-1), q)
+        q = np.where(opposite, np.concatenate([np.zeros_like(q[..., :1]), _cross(a, least)], axis=-1), q)
     return normalize(q)
 
 
@@ -212,15 +278,27 @@ def mean(q: ArrayLike, weights: ArrayLike | None = None) -> Array:
     """The rotation nearest to all: the principal eigenvector of Σ w q qᵀ (Markley 2007), blind to signs.
 
     Shape (n, ..., 4) to (..., 4): the first axis is averaged. ``weights`` has shape (n,).
+
+    Raises
+    ------
+    InputError
+        If there is nothing to average, or the weights are of another length, negative or all zero.
     """
-    q = np.asarray(q, dtype=np.float64)
+    q = _components(q, 4, "quaternions")
+    if q.ndim < 2 or len(q) == 0:
+        raise InputError(f"Expected quaternions of shape (n, ..., 4) with n ≥ 1, got {q.shape}.")
     w = np.ones(len(q)) if weights is None else np.asarray(weights, dtype=np.float64)
+    if w.shape != (len(q),) or not (np.all(w >= 0.0) and np.sum(w) > 0.0):
+        raise InputError(f"Expected {len(q)} `weights` that are not negative and not all zero, got {w.tolist()}.")
     moment = np.einsum("n,n...i,n...j->...ij", w, q, q)
     return canonical(np.linalg.eigh(moment)[1][..., :, -1])
 
 
 def continuous(q: ArrayLike) -> Array:
-    """Choose signs along the first axis so that neighbours lie in the same half. Shape (frames, ..., 4)."""
+    """Choose signs along the first axis so that neighbours lie in the same half. Shape (frames, ..., 4) to the same.
+
+    The rotations stay what they are; the components become smooth curves that can be differenced and filtered.
+    """
     q = np.array(q, dtype=np.float64)
     flips = np.sum(q[1:] * q[:-1], axis=-1) < 0.0
     sign = np.where(np.cumsum(flips, axis=0) % 2 == 1, -1.0, 1.0)
@@ -263,6 +341,38 @@ def yaw_tilt(q: ArrayLike) -> YawTilt:
     tilt = canonical(normalize(tilt))
     yaw = 2.0 * np.arctan2(sin_half, cos_half)
     return YawTilt(np.arctan2(np.sin(yaw), np.cos(yaw)), tilt, singular)
+
+
+def as_scalar_last(q: ArrayLike) -> Array:
+    """``(x, y, z, w)`` for SciPy, glTF and others that put the scalar last. Shape (..., 4).
+
+    This and `from_scalar_last` are the only places where the order changes.
+    """
+    return np.asarray(q, dtype=np.float64)[..., [1, 2, 3, 0]]
+
+
+def from_scalar_last(xyzw: ArrayLike) -> Array:
+    """``(w, x, y, z)`` from ``(x, y, z, w)`` as SciPy and glTF give it. Shape (..., 4)."""
+    return np.asarray(xyzw, dtype=np.float64)[..., [3, 0, 1, 2]]
+
+
+def _components(values: ArrayLike, width: int, what: str) -> Array:
+    array: Array = np.asarray(values, dtype=np.float64)
+    if array.ndim == 0 or array.shape[-1] != width:
+        raise InputError(f"Expected {what} of shape (..., {width}), got {array.shape}.")
+    return array
+
+
+def _unit(vectors: ArrayLike, what: str) -> Array:
+    v = _components(vectors, 3, what)
+    largest = np.max(np.abs(v), axis=-1, keepdims=True)
+    bad = ~(np.isfinite(largest) & (largest > 0.0))[..., 0]
+    if bad.any():
+        first = tuple(int(i) for i in np.argwhere(bad)[0])
+        raise InputError(f"Expected a finite {what} that is not zero, got {v[first].tolist()}.")
+    # the square of a tiny vector would vanish
+    v = v / largest
+    return np.asarray(v / np.linalg.norm(v, axis=-1, keepdims=True))
 
 
 def _cross(a: Array, b: Array) -> Array:
