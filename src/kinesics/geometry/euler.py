@@ -42,7 +42,7 @@ class EulerAngles(NamedTuple):
     π/2], or in [0, π] where the first axis comes again at the end."""
     gimbal_lock: NDArray[np.bool_]
     """True where the first and third axis coincide, shape (...): only the sum or difference of the outer angles is
-    defined, the third is given as 0 and the rotation is still the same."""
+    defined. The rotation is still the same; at the lock itself the third angle is 0."""
 
 
 def from_euler(angles: ArrayLike, order: str) -> Array:
@@ -124,7 +124,7 @@ def as_euler(q: ArrayLike, order: str) -> EulerAngles:
     first, third = half_sum - half_difference, half_sum + half_difference
     # With one pair of components exactly nothing its angle is noise: put everything into the angle listed first. Where
     # the pair is merely tiny, the angles are kept, since any others would change the rotation.
-    size = 1e-12 * np.hypot(near_zero, near_pi)
+    size = 1e-15 * np.hypot(near_zero, near_pi)
     at_zero, at_pi = near_zero <= size, near_pi <= size
     if intrinsic:
         first, third = np.where(at_zero | at_pi, 0.0, first), np.where(at_zero, 2.0 * half_sum, third)
