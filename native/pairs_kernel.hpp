@@ -18,6 +18,19 @@ struct Pairs {
     static constexpr int R = V::rows;
     static constexpr int W = V::width;
 
+    static inline reg dot(const float *a, const reg *b) {
+        reg sum = V::mul(V::broadcast(a[0]), b[0]);
+        sum = V::fma(V::broadcast(a[kLanes]), b[1], sum);
+        sum = V::fma(V::broadcast(a[2 * kLanes]), b[2], sum);
+        return V::fma(V::broadcast(a[3 * kLanes]), b[3], sum);
+    }
+    static inline reg dot_mirror(const float *a, const reg *b) {
+        reg sum = V::mul(V::broadcast(a[0]), b[0]);
+        sum = V::fma(V::broadcast(a[kLanes]), b[1], sum);
+        sum = V::fnma(V::broadcast(a[2 * kLanes]), b[2], sum);
+        return V::fnma(V::broadcast(a[3 * kLanes]), b[3], sum);
+    }
+
     // R rows against W columns: D, and with Mirror D* too.
     template <bool Mirror>
     static inline void distances(const float *row, const float *column, float root_constant, reg *d, reg *dm) {
@@ -44,28 +57,20 @@ struct Pairs {
             }
         }
         for (int pair = 0; pair < kLimbPairs; ++pair) {
-            for (int side = 0; side < 2; ++side) {
-                // one limb of the columns, against the same limb of the rows (D) and against its partner (D*)
-                const float *b = column + (kLimbRow + 8 * pair + 4 * side) * kLanes;
-                const float *same = row + (kLimbRow + 8 * pair + 4 * side) * kLanes;
-                const float *other = row + (kLimbRow + 8 * pair + 4 * (1 - side)) * kLanes;
-                const reg bw = V::load(b), bx = V::load(b + kLanes), by = V::load(b + 2 * kLanes),
-                          bz = V::load(b + 3 * kLanes);
+            const float *b = column + (kLimbRow + 8 * pair) * kLanes;
+            const float *a = row + (kLimbRow + 8 * pair) * kLanes;
+            reg left[4], right[4];
+            for (int c = 0; c < 4; ++c) {
+                left[c] = V::load(b + c * kLanes);
+                right[c] = V::load(b + (4 + c) * kLanes);
+            }
 #pragma GCC unroll 16
-                for (int r = 0; r < R; ++r) {
-                    reg dot = V::mul(V::broadcast(same[r]), bw);
-                    dot = V::fma(V::broadcast(same[kLanes + r]), bx, dot);
-                    dot = V::fma(V::broadcast(same[2 * kLanes + r]), by, dot);
-                    dot = V::fma(V::broadcast(same[3 * kLanes + r]), bz, dot);
-                    sum[r] = V::add(sum[r], V::abs(dot));
-                    if constexpr (Mirror) {
-                        reg dot_m = V::mul(V::broadcast(other[r]), bw);
-                        dot_m = V::fma(V::broadcast(other[kLanes + r]), bx, dot_m);
-                        dot_m = V::fnma(V::broadcast(other[2 * kLanes + r]), by, dot_m);
-                        dot_m = V::fnma(V::broadcast(other[3 * kLanes + r]), bz, dot_m);
-                        sum_m[r] = V::add(sum_m[r], V::abs(dot_m));
-                    }
-                }
+            for (int r = 0; r < R; ++r) {
+                const float *al = a + r, *ar = a + 4 * kLanes + r;
+                // the two limbs are added first: then D* is the same to the last bit when the poses change places
+                sum[r] = V::add(sum[r], V::add(V::abs(dot(al, left)), V::abs(dot(ar, right))));
+                if constexpr (Mirror)
+                    sum_m[r] = V::add(sum_m[r], V::add(V::abs(dot_mirror(al, right)), V::abs(dot_mirror(ar, left))));
             }
         }
         const float *g = row + kGravityRow * kLanes;
@@ -165,13 +170,8 @@ struct Pairs {
         float *out[2] = {job.out, job.out_mirror};
         for (int m = 0; m < 2; ++m) {
             if (out[m] == nullptr) continue;
-            if (I == J) {
-                // the lower half is a copy: D* adds a limb pair in another order there and may differ in the last bit
-                for (int r = 1; r < kTile; ++r)
-                    for (int c = 0; c < r; ++c) scratch[m][r * kScratchStride + c] = scratch[m][c * kScratchStride + r];
-                if (m == 0)  // a pose is at distance 0 from itself, whatever rounding says
-                    for (int r = 0; r < kTile; ++r) d[r * kScratchStride + r] = job.similarity ? 1.f : 0.f;
-            }
+            if (I == J && m == 0)  // a pose is at distance 0 from itself, whatever rounding says
+                for (int r = 0; r < kTile; ++r) d[r * kScratchStride + r] = job.similarity ? 1.f : 0.f;
             for (int r = 0; r < rows.count; ++r)
                 copy_row(out[m] + (rows.frame + r) * job.row_stride + columns.frame,
                          scratch[m] + (rows.skip + r) * kScratchStride + columns.skip, columns.count, job.stream);

@@ -34,7 +34,13 @@ struct Portable {
     static inline reg mul(reg a, reg b) { return a * b; }
     static inline reg fma(reg a, reg b, reg c) { return c + a * b; }
     static inline reg fnma(reg a, reg b, reg c) { return c - a * b; }
-    static inline reg abs(reg a) { return a < 0.f ? -a : a; }
+    static inline reg abs(reg a) {
+        bits b;
+        std::memcpy(&b, &a, sizeof b);
+        b &= 0x7fffffff;
+        std::memcpy(&a, &b, sizeof a);
+        return a;
+    }
     static inline reg max(reg a, reg b) { return a > b ? a : b; }
     static inline reg sqrt(reg a) {
         float lanes[width];

@@ -150,7 +150,7 @@ std::pair<Table, std::int64_t> parse_rows(nb::bytes data, std::size_t start, std
     return {make_table(std::move(values), columns), bad};
 }
 
-// Frames of labelled numbers: a frame number, then for each label the word itself and so many numbers.
+// Frames of labelled numbers: a line with the frame number, then a line for each label: the word and so many numbers.
 std::pair<Table, std::int64_t> parse_labelled(nb::bytes data, std::size_t start, const std::vector<std::string> &labels,
                                               const std::vector<std::size_t> &counts) {
     const char *begin = data.c_str();
@@ -162,34 +162,52 @@ std::pair<Table, std::int64_t> parse_labelled(nb::bytes data, std::size_t start,
     {
         nb::gil_scoped_release release;
         const char *p = begin + (start < data.size() ? start : data.size());
-        auto skip = [&] {
-            while (p < end && (is_space(*p) || *p == '#'))
-                p = *p == '#' ? skip_line(p, end) : p + 1;
+        bool fresh_line = true;
+        auto skip_blanks = [&] {
+            while (p < end && is_blank(*p)) ++p;
+        };
+        auto to_next_line = [&] {
+            while (p < end) {
+                if (*p == '\n') {
+                    fresh_line = true;
+                    ++p;
+                } else if (is_blank(*p)) {
+                    ++p;
+                } else if (fresh_line && *p == '#') {
+                    p = skip_line(p, end);
+                } else {
+                    break;
+                }
+            }
+            return fresh_line && p < end;
         };
         auto number = [&] {
-            skip();
             double value;
-            const char *next = p < end ? parse_number(p, end, value) : nullptr;
+            const char *next = parse_number(p, end, value);
             if (next == nullptr) return false;
+            fresh_line = false;
             values.push_back(value);
             p = next;
             return true;
         };
         auto frame = [&] {
-            if (!number()) return false;
+            if (!fresh_line || !number()) return false;
             for (std::size_t i = 0; i < labels.size(); ++i) {
-                skip();
+                if (!to_next_line()) return false;
                 const std::string &label = labels[i];
                 if (static_cast<std::size_t>(end - p) < label.size()) return false;
                 if (std::memcmp(p, label.data(), label.size()) != 0) return false;
                 p += label.size();
+                fresh_line = false;
                 if (p < end && !is_space(*p)) return false;
-                for (std::size_t k = 0; k < counts[i]; ++k)
+                for (std::size_t k = 0; k < counts[i]; ++k) {
+                    skip_blanks();
                     if (!number()) return false;
+                }
             }
             return true;
         };
-        for (skip(); p < end; skip()) {
+        for (to_next_line(); p < end; to_next_line()) {
             const char *first = p;
             const std::size_t before = values.size();
             if (before + columns > values.capacity() && before > 0) {

@@ -1,0 +1,49 @@
+"""The compiled kernels. They check shapes, not values: call them through `kinesics.similarity`, `kinesics.body`."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+_Doubles = NDArray[np.float64]
+_Floats = NDArray[np.float32]
+
+class Poses:
+    """Poses packed for the pair kernels: float32, weights folded in."""
+
+    def __init__(self, quaternions: _Doubles, gravity: _Doubles, weights: _Doubles, lead: int = 0) -> None:
+        """Shapes (n, 15, 4), (n, 3), (15,). ``lead``: floats between a cache line and the start of the output."""
+    @property
+    def frames(self) -> int: ...
+    @property
+    def tile_count(self) -> int:
+        """Tiles in the upper triangle of the square matrix of these poses."""
+
+def similarity_tiles(
+    poses: Poses,
+    z: _Floats,
+    z_mirror: _Floats | None,
+    beta: float,
+    first: int,
+    last: int,
+    path: str = "",
+    threads: int = 0,
+) -> None:
+    """Fill tiles [first, last) of exp(−β D) and exp(−β D*), and their images below the diagonal."""
+
+def distances(
+    a: Poses,
+    b: Poses,
+    d: _Floats,
+    d_mirror: _Floats | None,
+    row_start: int = 0,
+    column_start: int = 0,
+    path: str = "",
+    threads: int = 0,
+) -> None:
+    """Fill D and D* between the frames of ``a`` and ``b`` from the given ones on (multiples of 16)."""
+
+def paths() -> list[str]:
+    """Code paths this processor has, the fastest first."""
+
+def __getattr__(name: str) -> Any: ...

@@ -1,0 +1,29 @@
+"""How alike two moments are: D and its mirror D*, and the similarity plots Z and Z* ([Schultz2012] §2.13-2.14, §3.1-3.4).
+
+- two sets of poses: `distance` (D), `mirror_distance` (D*), `chord` (√(2D), the metric)
+- all moments of a recording: `similarity` (Z and Z*), `default_beta`; `tiles` where N×N would not fit
+- along time: `speed`, `symmetry_residual`
+
+The compiled kernels do the work where they were built; the environment variable ``KINESICS_KERNEL`` forces a code path
+("avx512", "avx2", "portable" or "numpy"), and ``KINESICS_NO_NATIVE=1`` is the same as "numpy".
+"""
+
+from __future__ import annotations
+
+from kinesics.similarity.matrices import Beta, Similarity, default_beta, similarity
+from kinesics.similarity.metric import chord, distance, mirror_distance, speed, symmetry_residual
+from kinesics.similarity.tiling import Tile, tiles
+
+__all__ = [
+    "Beta",
+    "Similarity",
+    "Tile",
+    "chord",
+    "default_beta",
+    "distance",
+    "mirror_distance",
+    "similarity",
+    "speed",
+    "symmetry_residual",
+    "tiles",
+]

@@ -1,0 +1,108 @@
+"""What the functions of this room accept, checked once at the door."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kinesics.body.pose import PoseSequence
+from kinesics.errors import InputError
+from kinesics.vocabulary import LINKS, MIRROR_LINKS
+
+Array = NDArray[np.float64]
+Poses = PoseSequence | ArrayLike
+Weights = Mapping[str, float] | ArrayLike
+
+
+class Checked(NamedTuple):
+    """Poses as every algorithm here wants them."""
+
+    quaternions: Array
+    """Unit, float64, C-contiguous, shape (frames, 15, 4)."""
+    fps: float | None
+
+
+def check_poses(poses: Poses, name: str = "poses") -> Checked:
+    """Take a `PoseSequence`, or an array (frames, 15, 4) of unit quaternions.
+
+    Raises
+    ------
+    InputError
+        If the shape is another, there is no frame, or a quaternion is not finite or not of length 1 (to .001).
+    """
+    if isinstance(poses, PoseSequence):
+        return Checked(poses.quaternions, poses.fps)
+    try:
+        q = np.ascontiguousarray(poses, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"Expected `{name}` to be a PoseSequence or an array of shape (frames, 15, 4), got {type(poses).__name__}. "
+            "Poses of a motion: kinesics.poses(motion)."
+        ) from error
+    if q.ndim != 3 or q.shape[1:] != (len(LINKS), 4):
+        raise InputError(f"Expected `{name}` of shape (frames, {len(LINKS)}, 4), got {q.shape}.")
+    if len(q) == 0:
+        raise InputError(f"Expected `{name}` to hold at least one frame, got none.")
+    norm = np.sqrt(np.einsum("fji,fji->fj", q, q))
+    bad = ~(np.abs(norm - 1.0) < 1e-3)
+    if bad.any():
+        frame, link = (int(v) for v in np.argwhere(bad)[0])
+        raise InputError(
+            f"Expected unit quaternions in `{name}`; that of {LINKS[link]} in frame {frame} has length "
+            f"{norm[frame, link]:.4g}."
+        )
+    return Checked(q / norm[..., None], None)
+
+
+def check_weights(weights: Weights | None) -> Array:
+    """One weight for each of the 15 links; None weighs all alike.
+
+    A mapping names links of `kinesics.vocabulary.LINKS`, or limbs without their side ("femur", "tibia", "humerus",
+    "radius") for both; links it does not name weigh 1.
+
+    Raises
+    ------
+    InputError
+        If a name is unknown, a weight is negative or not finite, all are 0, or a left one differs from its right one (D* would
+        not be symmetric).
+    """
+    count = len(LINKS)
+    if weights is None:
+        return np.ones(count)
+    if isinstance(weights, Mapping):
+        out = np.ones(count)
+        limbs = {name.removeprefix("left_") for name in LINKS if name.startswith("left_")}
+        unknown = [str(name) for name in weights if name not in LINKS and name not in limbs]
+        if unknown:
+            raise InputError(
+                f"Unknown link in `weights`: {', '.join(unknown)}. Links: {', '.join(LINKS)}; "
+                f"both sides at once: {', '.join(sorted(limbs))}."
+            )
+        for name, value in weights.items():
+            for link in [name] if name in LINKS else [f"left_{name}", f"right_{name}"]:
+                out[LINKS.index(link)] = value
+    else:
+        try:
+            out = np.array(weights, dtype=np.float64)
+        except (TypeError, ValueError) as error:
+            raise InputError(
+                f"Expected `weights` to be {count} numbers or a mapping of link names, got {type(weights).__name__}."
+            ) from error
+        if out.shape != (count,):
+            raise InputError(f"Expected `weights` of shape ({count},), one for each link, got {out.shape}.")
+    if not np.isfinite(out).all() or (out < 0.0).any():
+        link = LINKS[int(np.argmax(~(np.isfinite(out) & (out >= 0.0))))]
+        raise InputError(
+            f"Expected `weights` that are finite and not negative; that of {link} is {out[LINKS.index(link)]}."
+        )
+    if not out.any():
+        raise InputError("Expected at least one of `weights` above 0.")
+    uneven = [LINKS[i] for i, j in enumerate(MIRROR_LINKS) if i < j and out[i] != out[j]]
+    if uneven:
+        raise InputError(
+            f"Left and right `weights` must be equal, or D* is not symmetric; they differ for {', '.join(uneven)}."
+        )
+    return out

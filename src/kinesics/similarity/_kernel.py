@@ -1,0 +1,158 @@
+"""The work itself: the compiled kernels, or NumPy where they were not built. Nothing here checks values.
+
+``KINESICS_KERNEL`` names the code path; ``KINESICS_NO_NATIVE=1`` asks for NumPy.
+"""
+
+from __future__ import annotations
+
+import os
+from typing import Final, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinesics.body import pose
+from kinesics.errors import InputError
+from kinesics.progress import Progress, silent
+from kinesics.vocabulary import MIRROR_LINKS
+
+try:
+    from kinesics import _native
+except ImportError:  # built without a compiler: NumPy does it, more slowly
+    _native = None  # type: ignore[assignment]
+
+Array = NDArray[np.float64]
+Floats = NDArray[np.float32]
+
+LANES: Final = 16
+"""Parts of a matrix start at multiples of this many frames."""
+_CHUNK_TILES: Final = 4096
+"""Tiles (128 × 128) between two calls of `progress`, and so between two looks at Ctrl-C: about a tenth of a second."""
+_BLOCK_ROWS: Final = 256
+
+
+class Packed(Protocol):
+    """Poses made ready by `pack`."""
+
+    @property
+    def frames(self) -> int:
+        """How many."""
+        ...
+
+
+def available() -> list[str]:
+    """Code paths that this machine has, the fastest first."""
+    return [*([] if _native is None else _native.paths()), "numpy"]
+
+
+def chosen() -> str:
+    """The code path in use.
+
+    Raises
+    ------
+    InputError
+        If the environment asks for one that this machine does not have.
+    """
+    if os.environ.get("KINESICS_NO_NATIVE", "") not in ("", "0"):
+        return "numpy"
+    paths = available()
+    wish = os.environ.get("KINESICS_KERNEL", "")
+    if wish and wish not in paths:
+        raise InputError(f"KINESICS_KERNEL={wish}: this machine has {', '.join(paths)}.")
+    return wish or paths[0]
+
+
+class _NumpyPoses:
+    """Weights folded in as the compiled kernels do: |√w q · √w g| = w |q·g|."""
+
+    def __init__(self, quaternions: Array, gravity: Array, weights: Array) -> None:
+        share = weights / weights.sum()
+        self.frames = len(quaternions)
+        self.links = np.ascontiguousarray(
+            np.swapaxes(quaternions * np.sqrt(share)[:, None], 0, 1)[1:], dtype=np.float32
+        )  # (14, frames, 4)
+        self.gravity = np.ascontiguousarray(gravity * (share[0] / np.sqrt(2.0)), dtype=np.float32)
+        self.root_constant = np.float32(share[0] ** 2 / 2.0)
+
+    def part(self, span: slice) -> _NumpyPoses:
+        out = object.__new__(_NumpyPoses)
+        out.links, out.gravity, out.root_constant = self.links[:, span], self.gravity[span], self.root_constant
+        out.frames = len(out.gravity)
+        return out
+
+    def mirror(self) -> _NumpyPoses:
+        out = object.__new__(_NumpyPoses)
+        out.frames, out.root_constant = self.frames, self.root_constant
+        partners = [link - 1 for link in MIRROR_LINKS[1:]]
+        out.links = self.links[partners] * np.array([1, 1, -1, -1], dtype=np.float32)
+        out.gravity = self.gravity * np.array([-1, 1, 1], dtype=np.float32)
+        return out
+
+
+def pack(quaternions: Array, weights: Array, path: str, *, out: Floats | None = None) -> Packed:
+    """Poses ready for the kernels. ``out`` is where Z will go: tiles are then laid on its cache lines."""
+    gravity = np.ascontiguousarray(pose.gravity(quaternions))
+    if path == "numpy":
+        return _NumpyPoses(quaternions, gravity, weights)
+    lead = 0 if out is None else out.ctypes.data % 64 // 4
+    return _native.Poses(quaternions, gravity, weights, lead)
+
+
+def fill_distances(
+    a: Packed, b: Packed, d: Floats, d_mirror: Floats | None, path: str, *, row_start: int = 0, column_start: int = 0
+) -> None:
+    """Write D, and D* if wanted, of the frames from ``row_start`` and ``column_start`` on (multiples of `LANES`)."""
+    if isinstance(a, _NumpyPoses):
+        assert isinstance(b, _NumpyPoses)
+        columns = b.part(slice(column_start, column_start + d.shape[1]))
+        image = columns.mirror() if d_mirror is not None else None
+        for start in range(0, len(d), _BLOCK_ROWS):
+            end = min(start + _BLOCK_ROWS, len(d))
+            rows = a.part(slice(row_start + start, row_start + end))
+            _numpy_distances(rows, columns, d[start:end])
+            if image is not None and d_mirror is not None:
+                _numpy_distances(rows, image, d_mirror[start:end])
+        return
+    assert isinstance(a, _native.Poses)
+    assert isinstance(b, _native.Poses)
+    _native.distances(a, b, d, d_mirror, row_start, column_start, path)
+
+
+def fill_similarity(
+    poses: Packed, beta: float, z: Floats, z_mirror: Floats, path: str, progress: Progress | None
+) -> None:
+    """Write Z = exp(−β D) and Z* = exp(−β D*), exactly symmetric."""
+    report = progress or silent
+    if isinstance(poses, _NumpyPoses):
+        for start in range(0, poses.frames, _BLOCK_ROWS):
+            end = min(start + _BLOCK_ROWS, poses.frames)
+            report(start / poses.frames, "comparing all moments")
+            rows, columns = poses.part(slice(start, end)), poses.part(slice(start, None))
+            for out, others in ((z, columns), (z_mirror, columns.mirror())):
+                band = out[start:end, start:]
+                _numpy_distances(rows, others, band)
+                corner = band[:, : end - start]
+                np.copyto(corner, corner.T.copy(), where=np.tri(end - start, k=-1, dtype=np.bool_))
+                if out is z:
+                    np.fill_diagonal(corner, 0.0)
+                np.exp(np.multiply(band, np.float32(-beta), out=band), out=band)
+                out[end:, start:end] = band[:, end - start :].T
+    else:
+        assert isinstance(poses, _native.Poses)
+        count = poses.tile_count
+        for first in range(0, count, _CHUNK_TILES):
+            report(first / count, "comparing all moments")
+            _native.similarity_tiles(poses, z, z_mirror, beta, first, min(first + _CHUNK_TILES, count), path)
+    report(1.0, "comparing all moments")
+
+
+def _numpy_distances(a: _NumpyPoses, b: _NumpyPoses, out: Floats) -> None:
+    """D by one matrix product a link."""
+    root = a.gravity @ b.gravity.T
+    root += a.root_constant
+    np.sqrt(np.maximum(root, 0.0, out=root), out=out)
+    for i in range(len(a.links)):
+        np.matmul(a.links[i], b.links[i].T, out=root)
+        out += np.abs(root, out=root)
+    np.subtract(np.float32(1.0), out, out=out)
+    np.maximum(out, 0.0, out=out)
