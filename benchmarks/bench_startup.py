@@ -1,0 +1,97 @@
+"""How long one waits: `import kinesics`, the command's help, and the main job as a whole process.
+
+    python benchmarks/bench_startup.py [--json FILE]
+
+Whole processes, start-up included, warm file cache; wall seconds and peak resident memory as the operating system counts
+them. The recording is Empi (43 s at 120 fps) of the real recordings; without them, a synthetic one of the same length.
+"""
+
+from __future__ import annotations
+
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from harness import Table, data_folder, main
+
+REPEATS = 7
+
+
+def measure(arguments: list[str], folder: str) -> tuple[float, float]:
+    """Wall seconds and peak MB of one run."""
+    began = time.perf_counter()
+    child = subprocess.Popen(arguments, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    assert child.stderr is not None
+    said = child.stderr.read().decode()
+    _, status, usage = os.wait4(child.pid, 0)
+    child.returncode = os.waitstatus_to_exitcode(status)
+    child.stderr.close()
+    seconds = time.perf_counter() - began
+    if child.returncode != 0:
+        raise SystemExit(f"{' '.join(arguments)}: exit {child.returncode}\n{said}")
+    return seconds, usage.ru_maxrss / (2**20 if sys.platform == "darwin" else 2**10)
+
+
+def empi(folder: str) -> tuple[str, list[str]]:
+    """The recording, and the arguments that name it."""
+    data = data_folder()
+    if data is not None:
+        return "Empi, 5,202 frames of ASF/AMC", [str(data / "cmu" / "135" / "135_02.amc")]
+    import kinesics as kx
+
+    path = Path(folder) / "kata.bvh"
+    kx.write(kx.performer.walk(seconds=43.35, fps=120).motion, path)
+    return "a synthetic walk, 5,202 frames of BVH", [str(path)]
+
+
+def run() -> list[Table]:
+    """All rows; each command is run in turn with the others."""
+    with tempfile.TemporaryDirectory() as folder:
+        name, files = empi(folder)
+        python = sys.executable
+        jobs = {
+            "python alone": [python, "-c", "pass"],
+            "import numpy": [python, "-c", "import numpy"],
+            "import kinesics": [python, "-c", "import kinesics"],
+            "import kinesics, Motion and poses": [python, "-c", "from kinesics import Motion, poses"],
+            "kinesics --help": [python, "-m", "kinesics.cli", "--help"],
+            f"kinesics info ({name})": [python, "-m", "kinesics.cli", "info", *files],
+            f"kinesics analyze ({name})": [python, "-m", "kinesics.cli", "analyze", *files, "--out", "report"],
+        }
+        targets = {
+            "import kinesics": "≤ 0.3 s",
+            "kinesics --help": "≤ 0.5 s",
+            f"kinesics analyze ({name})": "≤ 4 s, ≤ 600 MB",
+        }
+        samples: dict[str, list[tuple[float, float]]] = {job: [] for job in jobs}
+        for arguments in jobs.values():
+            measure(arguments, folder)
+        for _ in range(REPEATS):
+            for job, arguments in jobs.items():
+                samples[job].append(measure(arguments, folder))
+    rows = [
+        (
+            job,
+            f"{statistics.median(s for s, _ in got):.2f}",
+            f"{min(s for s, _ in got):.2f}",
+            f"{max(m for _, m in got):.0f}",
+            targets.get(job, ""),
+        )
+        for job, got in samples.items()
+    ]
+    return [
+        Table(
+            title="Start-up and the main job, whole processes",
+            columns=("what", "median s", "least s", "peak MB", "target"),
+            rows=rows,
+            notes=(f"Median of {REPEATS} runs taken in turn, after one to warm the file cache.",),
+        )
+    ]
+
+
+if __name__ == "__main__":
+    main(run)
