@@ -1,0 +1,166 @@
+"""The pictures of one analysis, drawn together: the poses are compared once, at the size of the picture."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+
+from kinesics.analysis import Analysis
+from kinesics.analysis.analysis import joined
+from kinesics.analysis.symmetric_states import SYMMETRY_THRESHOLD
+from kinesics.body.pose import PoseSequence
+from kinesics.plotting import (
+    composite_plot,
+    new_figure,
+    pooled_similarity,
+    similarity_plot,
+    similarity_triangle,
+    speed_plot,
+    symmetry_plot,
+)
+from kinesics.plotting.canvas import FAINT, INK, figure_bytes
+from kinesics.plotting.similarity_plots import colour_key
+from kinesics.progress import Progress, silent
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_DPI: Final = 150
+_PIXELS: Final = 1200
+"""Width of the axes of both similarity pictures: one pixel of the pooled matrices is one pixel of the picture."""
+
+
+class Pictures(NamedTuple):
+    """Files' contents."""
+
+    square: bytes
+    """PNG."""
+    triangle: bytes
+    """PNG."""
+    graph: bytes
+    """SVG."""
+    curves: tuple[bytes, ...]
+    """SVG, speed and symmetry over time, one for each source."""
+
+
+def draw(analysis: Analysis, *, palette: str = "thesis", progress: Progress | None = None) -> Pictures:
+    """All pictures of an analysis that still has its motions and poses."""
+    report = progress or silent
+    report(0.0, "comparing all moments")
+    poses, borders = _common_time(analysis)
+    weights = analysis.parameters.get("weights")
+    pooled = pooled_similarity(poses, size=_PIXELS, beta=analysis.beta, weights=weights)
+    name = ", ".join(s.name for s in analysis.sources if s.name)
+    key = colour_key(palette)
+
+    report(0.35, "the square")
+    square, ax = _page(_PIXELS, _PIXELS, left=130, right=45, bottom=165, top=85)
+    similarity_plot(pooled, palette=palette, ax=ax)
+    _borders(ax, borders, len(poses) / poses.fps, triangle=False)
+    _caption(square, name, key)
+
+    report(0.5, "the triangle")
+    motion = analysis.motions[0] if len(analysis.motions) == 1 else None
+    triangle, ax = _page(_PIXELS, _PIXELS // 2, left=130, right=45, bottom=390 if motion is not None else 165, top=85)
+    similarity_triangle(pooled, motion, palette=palette, ax=ax)
+    _borders(ax, borders, len(poses) / poses.fps, triangle=True)
+    _caption(triangle, name, key + ("; figures: a pose and, paler, the pose 1/6 s later" if motion is not None else ""))
+
+    report(0.7, "the path")
+    symmetric = [(r.start, r.end) for r in analysis.symmetric_states] if len(analysis.sources) == 1 else []
+    graph, ax = _page(720, 670, left=120, right=35, bottom=100, top=75)
+    composite_plot(poses, symmetric=symmetric, ax=ax)
+
+    report(0.8, "the curves")
+    curves = tuple(figure_bytes(_curves(analysis, k), ".svg") for k in range(len(analysis.sources)))
+    report(0.9, "writing the pictures")
+    result = Pictures(figure_bytes(square, ".png"), figure_bytes(triangle, ".png"), figure_bytes(graph, ".svg"), curves)
+    report(1.0, "pictures drawn")
+    return result
+
+
+def _common_time(analysis: Analysis) -> tuple[PoseSequence, list[float]]:
+    """All poses one after another on one time axis, and the times in seconds at which a new source begins.
+
+    Where frame rates differ, frames of the slower recordings are repeated: none is dropped.
+    """
+    rate = max(p.fps for p in analysis.poses)
+    shown = []
+    for poses in analysis.poses:
+        count = max(len(poses), round(len(poses) * rate / poses.fps))
+        index = (np.arange(count) * len(poses)) // count
+        shown.append(poses if count == len(poses) else _take(poses, index, rate))
+    ends = np.cumsum([len(p) for p in shown]) / rate
+    return joined(shown), [float(t) for t in ends[:-1]]
+
+
+def _take(poses: PoseSequence, index: np.ndarray[tuple[int, ...], np.dtype[np.intp]], fps: float) -> PoseSequence:
+    return dataclasses.replace(
+        poses,
+        quaternions=poses.quaternions[index],
+        yaw=poses.yaw[index],
+        ground=poses.ground[index],
+        yaw_undefined=None,
+        fps=fps,
+    )
+
+
+def _page(width: int, height: int, *, left: int, right: int, bottom: int, top: int) -> tuple[Figure, Axes]:
+    """A figure whose axes are exactly width × height pixels."""
+    full, tall = width + left + right, height + bottom + top
+    figure = new_figure(full / _DPI, tall / _DPI, dpi=_DPI)
+    return figure, figure.add_axes((left / full, bottom / tall, width / full, height / tall))
+
+
+def _caption(figure: Figure, name: str, key: str) -> None:
+    """What the colours mean, and which recording it is."""
+    pixels = figure.get_size_inches() * figure.dpi
+    figure.text(130 / pixels[0], 18 / pixels[1], key, fontsize=10, color=INK, va="bottom")
+    if name:
+        shown = name if len(name) <= 60 else name[:59] + "…"
+        # a file may be called "a$b$c": its name is no formula
+        figure.text(
+            1.0 - 45 / pixels[0],
+            1.0 - 40 / pixels[1],
+            shown,
+            fontsize=10,
+            color=FAINT,
+            ha="right",
+            va="bottom",
+            parse_math=False,
+        )
+
+
+def _borders(ax: Axes, borders: list[float], length: float, *, triangle: bool) -> None:
+    """Where one recording ends and the next begins."""
+    for t in borders:
+        if triangle:
+            ax.plot([t / 2.0, t, (t + length) / 2.0], [t, 0.0, length - t], color="white", linewidth=0.8)
+        else:
+            ax.axvline(t, color="white", linewidth=0.8)
+            ax.axhline(t, color="white", linewidth=0.8)
+
+
+def _curves(analysis: Analysis, source: int) -> Figure:
+    """Speed above, symmetry below, on one time axis."""
+    figure = new_figure(9.6, 4.6, dpi=100)
+    above, below = figure.add_axes((0.085, 0.6, 0.9, 0.32)), figure.add_axes((0.085, 0.115, 0.9, 0.32))
+    fps = analysis.sources[source].fps
+    still = [(r.start, r.end) for r in analysis.stillness if r.source == source]
+    symmetric = [(r.start, r.end) for r in analysis.symmetric_states if r.source == source]
+    speed_plot(
+        analysis.speed_curves[source], fps, stillness=still, title="Speed of the pose; still where shaded", ax=above
+    )
+    above.set_xlabel("")
+    symmetry_plot(
+        analysis.mirror_distance_curves[source],
+        fps,
+        threshold=SYMMETRY_THRESHOLD,
+        symmetric=symmetric,
+        title="Distance of the pose from its own mirror image; symmetric where shaded",
+        ax=below,
+    )
+    return figure
