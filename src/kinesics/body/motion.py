@@ -40,7 +40,7 @@ class Source:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Skeleton and joint rotations over time.
+    """Skeleton and joint rotations over time. Its arrays are read-only: copy one to change it, then `replace`.
 
     Raises
     ------
@@ -67,8 +67,7 @@ class Motion:
 
     def __post_init__(self) -> None:
         """Check shapes and values once, so that nothing downstream has to."""
-        rotations = np.ascontiguousarray(self.rotations, dtype=np.float64)
-        roots = np.ascontiguousarray(self.root_positions, dtype=np.float64)
+        rotations, roots = _frozen(self.rotations), _frozen(self.root_positions)
         joints = self.skeleton.joint_count
         if rotations.ndim != 3 or rotations.shape[1:] != (joints, 4):
             raise InputError(f"Expected `rotations` of shape (frames, {joints}, 4), got {rotations.shape}.")
@@ -85,12 +84,12 @@ class Motion:
                 raise InputError(f"`{label}` is not finite in frame {frame}.")
         norm = np.einsum("fji,fji->fj", rotations, rotations)
         if not np.all(np.abs(norm - 1.0) < 1e-6):
-            rotations = quaternion.normalize(rotations)
+            rotations = _frozen(quaternion.normalize(rotations))
         object.__setattr__(self, "rotations", rotations)
         object.__setattr__(self, "root_positions", roots)
         object.__setattr__(self, "fps", float(self.fps))
         if self.joint_translations is not None:
-            shifts = np.ascontiguousarray(self.joint_translations, dtype=np.float64)
+            shifts = _frozen(self.joint_translations)
             if shifts.shape != (len(rotations), joints, 3):
                 raise InputError(
                     f"Expected `joint_translations` of shape ({len(rotations)}, {joints}, 3), got {shifts.shape}."
@@ -197,6 +196,15 @@ class Motion:
             joint_translations=None if self.joint_translations is None else linear(self.joint_translations),
             fps=fps,
         )
+
+
+def _frozen(values: Array) -> Array:
+    """Read-only and contiguous: a copy of what a caller could still change, shared where nobody can (slices)."""
+    array = np.asarray(values, dtype=np.float64)
+    if array.flags.writeable or not array.flags.c_contiguous:
+        array = array.copy(order="C")
+        array.setflags(write=False)
+    return array
 
 
 def reverse(motion: Motion) -> Motion:
