@@ -55,17 +55,16 @@ _HOME = {
     "read": "kinesics.formats",
     "reverse": "kinesics.body.motion",
     "save": "kinesics.report",
-    "similarity": "kinesics.similarity",
     "write": "kinesics.formats",
 }
 
-__all__ = [*_HOME, "performer"]  # noqa: PLE0604 - names of a constant table
+__all__ = [*_HOME, "performer", "similarity"]
 
 
 def __getattr__(name: str) -> Any:
     """Load a public name from its room on first use (PEP 562)."""
-    if name == "performer":
-        return importlib.import_module("kinesics.performer")
+    if name in ("performer", "similarity"):  # rooms; that of similarity can be called
+        return importlib.import_module(f"kinesics.{name}")
     if name in _HOME:
         value = getattr(importlib.import_module(_HOME[name]), name)
         globals()[name] = value

@@ -2,7 +2,7 @@
 
 - two sets of poses: `distance` (D), `mirror_distance` (D*), `chord` (√(2D), the metric)
 - all moments of a recording: `similarity` (Z and Z*), `default_beta`; `tiles` where N×N would not fit
-- along time: `speed`, `symmetry_residual`
+- frame by frame: `paired_distance`, `speed`, `symmetry_residual`
 
 The compiled kernels do the work where they were built; the environment variable ``KINESICS_KERNEL`` forces a code path
 ("avx512", "avx2", "portable" or "numpy"), and ``KINESICS_NO_NATIVE=1`` is the same as "numpy".
@@ -10,20 +10,35 @@ The compiled kernels do the work where they were built; the environment variable
 
 from __future__ import annotations
 
-from kinesics.similarity.matrices import Beta, Similarity, default_beta, similarity
-from kinesics.similarity.metric import chord, distance, mirror_distance, speed, symmetry_residual
+import sys
+from types import ModuleType
+
+from kinesics.similarity._inputs import check_weights
+from kinesics.similarity.matrices import BETA_RULE, Similarity, default_beta, similarity
+from kinesics.similarity.metric import chord, distance, mirror_distance, paired_distance, speed, symmetry_residual
 from kinesics.similarity.tiling import Tile, tiles
 
 __all__ = [
-    "Beta",
+    "BETA_RULE",
     "Similarity",
     "Tile",
+    "check_weights",
     "chord",
     "default_beta",
     "distance",
     "mirror_distance",
+    "paired_distance",
     "similarity",
     "speed",
     "symmetry_residual",
     "tiles",
 ]
+
+
+class _Room(ModuleType):
+    """``kinesics.similarity`` is the name of this room and of its chief function: the room can be called."""
+
+    __call__ = staticmethod(similarity)
+
+
+sys.modules[__name__].__class__ = _Room

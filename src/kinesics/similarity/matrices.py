@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,12 +25,10 @@ _LEAST_DISTANCE: Final = 0.002
 """D of a body whose joints all turn by 7°: less than this is standing still, and must not be stretched to full contrast."""
 
 
-class Beta(NamedTuple):
-    """A contrast and where it came from."""
-
-    value: float
-    rule: str
-    """In words and numbers, to be kept with every result."""
+BETA_RULE: Final = (
+    "ln 20 / max(D75, 0.002); D75 is the 75th percentile of D over the pairs of up to 512 moments evenly spaced in time"
+)
+"""How `default_beta` chooses, in words."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +57,7 @@ class Similarity:
         return len(self.z)
 
 
-def default_beta(poses: Poses, weights: Weights | None = None) -> Beta:
+def default_beta(poses: Poses, weights: Weights | None = None) -> float:
     """The contrast at which a quarter of all pairs of moments is nearly black: β = ln 20 / max(D₇₅, .002).
 
     D₇₅ is the 75th percentile of D over all pairs of up to 512 moments, evenly spaced in time over the recording. So β does
@@ -73,24 +71,16 @@ def default_beta(poses: Poses, weights: Weights | None = None) -> Beta:
     InputError
         If poses or weights cannot be used.
     """
-    return _default_beta(check_poses(poses).quaternions, check_weights(weights))
-
-
-def _default_beta(q: Array, weights: Array) -> Beta:
+    q, share = check_poses(poses).quaternions, check_weights(weights)
     count = min(len(q), _SAMPLES)
     moments = ((np.arange(count) + 0.5) * len(q) / count).astype(np.intp)
     path = _kernel.chosen()
-    sample = _kernel.pack(np.ascontiguousarray(q[moments]), weights, path)
+    sample = _kernel.pack(np.ascontiguousarray(q[moments]), share, path)
     d = np.empty((count, count), dtype=np.float32)
     _kernel.fill_distances(sample, sample, d, None, path)
     pairs = d[np.triu_indices(count, 1)]
     typical = float(np.quantile(pairs, _QUANTILE)) if len(pairs) else 0.0
-    value = -math.log(_DARK) / max(typical, _LEAST_DISTANCE)
-    held = "" if typical >= _LEAST_DISTANCE else f", held at {_LEAST_DISTANCE:g}: hardly any movement"
-    return Beta(
-        value,
-        f"ln 20 / D75, D75 = {typical:.3g}: the 75th percentile of D over pairs of {count} moments evenly spaced in time{held}",
-    )
+    return -math.log(_DARK) / max(typical, _LEAST_DISTANCE)
 
 
 def similarity(
@@ -127,11 +117,12 @@ def similarity(
         raise InputError(f"Expected `beta` above 0, got {beta}.")
     frames = len(checked.quaternions)
     z, z_mirror = _outputs(frames, out)
-    choice = _default_beta(checked.quaternions, share) if beta is None else Beta(float(beta), "given by the caller")
+    rule = BETA_RULE if beta is None else "given by the caller"
+    value = default_beta(poses, share) if beta is None else float(beta)
     path = _kernel.chosen()
     packed = _kernel.pack(checked.quaternions, share, path, out=z)
-    _kernel.fill_similarity(packed, choice.value, z, z_mirror, path, progress)
-    return Similarity(z, z_mirror, choice.value, choice.rule, share, checked.fps)
+    _kernel.fill_similarity(packed, value, z, z_mirror, path, progress)
+    return Similarity(z, z_mirror, value, rule, share, checked.fps)
 
 
 def _outputs(frames: int, out: tuple[Floats, Floats] | None) -> tuple[Floats, Floats]:

@@ -75,12 +75,24 @@ def chord(d: ArrayLike) -> Array:
     return np.sqrt(2.0 * np.maximum(np.asarray(d, dtype=np.float64), 0.0))
 
 
-def paired_distance(a: Array, b: Array, weights: Array) -> Array:
-    """D of frame k of ``a`` and frame k of ``b``, in float64, shape (frames,).
+def paired_distance(a: Poses, b: Poses, weights: Weights | None = None) -> Array:
+    """D of frame k of ``a`` and frame k of ``b``, to float64's precision, shape (frames,).
 
     1 − |q·g| is taken as min(|q − g|, |q + g|)²/2, and the root's term likewise, so that small distances keep their digits:
-    1 − |q·g| itself has a floor of .02-.08 rad/s at 120 fps in float32 and can be negative.
+    1 − |q·g| itself can be negative, and in float32 gives speeds a floor of .02-.08 1/s at 120 fps.
+
+    Raises
+    ------
+    InputError
+        If poses or weights cannot be used, or the numbers of frames differ.
     """
+    q, g, share = check_poses(a, "a").quaternions, check_poses(b, "b").quaternions, check_weights(weights)
+    if len(q) != len(g):
+        raise InputError(f"Expected `a` and `b` of as many frames, got {len(q)} and {len(g)}.")
+    return _paired(q, g, share)
+
+
+def _paired(a: Array, b: Array, weights: Array) -> Array:
     minus, plus = a - b, a + b
     chords = np.minimum(np.einsum("fji,fji->fj", minus, minus), np.einsum("fji,fji->fj", plus, plus))
     down_a, down_b = pose.gravity(a), pose.gravity(b)
@@ -123,7 +135,7 @@ def speed(poses: Poses, *, fps: float | None = None, weights: Weights | None = N
     q = checked.quaternions
     out = np.zeros(len(q))
     if len(q) > 1:
-        out[1:] = chord(paired_distance(q[1:], q[:-1], check_weights(weights))) * rate
+        out[1:] = chord(_paired(q[1:], q[:-1], check_weights(weights))) * rate
         out[0] = out[1]
     return out
 
@@ -147,4 +159,4 @@ def symmetry_residual(poses: Poses, weights: Weights | None = None) -> Array:
     [Schultz2012] §2.11, §2.14, §3.3.
     """
     q = check_poses(poses).quaternions
-    return paired_distance(q, pose.mirror(q), check_weights(weights))
+    return _paired(q, pose.mirror(q), check_weights(weights))
