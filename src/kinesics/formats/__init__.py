@@ -1,0 +1,261 @@
+"""Recordings of movement in files: read to a `Motion`, written from one.
+
+- `read`, `write`: any format; the content decides which one it is
+- `formats`, `readable`, `writable`: which there are
+- `kinesics.formats.registry`: what a new format must bring
+"""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import hashlib
+import secrets
+import stat
+from collections.abc import Mapping
+from os import PathLike
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from kinesics.body import kinematics
+from kinesics.body.motion import Motion, Source
+from kinesics.errors import FileError, InputError
+from kinesics.formats.registry import (
+    HEAD_BYTES,
+    Format,
+    ReadOptions,
+    Recording,
+    Written,
+    for_writing,
+    formats,
+    of_content,
+    readable,
+    writable,
+)
+
+__all__ = [
+    "LARGEST_FILE",
+    "Format",
+    "ReadOptions",
+    "Recording",
+    "Written",
+    "formats",
+    "read",
+    "readable",
+    "writable",
+    "write",
+]
+
+LARGEST_FILE: Final = 1 << 30
+"""Bytes. A gigabyte of text is more than two hours at 120 frames a second; reading it takes some five times its size."""
+
+_JUDGED_FRAMES = 64
+_FOLDER_HINT = "Give one file of it."
+
+
+def read(
+    path: str | PathLike[str],
+    *,
+    skeleton: str | PathLike[str] | None = None,
+    unit: str | float | None = None,
+    up: str | None = None,
+    fps: float | None = None,
+    mapping: Mapping[str, object] | str | PathLike[str] | None = None,
+    keep_first_frame: bool = False,
+) -> Motion:
+    """Read a recording, whatever its format: metres, y up, quaternions.
+
+    What the file does not say (unit, up axis, the frame rate of an .amc) is judged, and stated in ``motion.assumptions``;
+    what looks wrong is in ``motion.warnings``.
+
+    Parameters
+    ----------
+    path : the recording.
+    skeleton : the .asf of an .amc, where it does not lie beside it.
+    unit : of length: "m", "cm", "mm", "in", "ft", "asf" (CMU's, 1/0.45 inch), or metres in one unit.
+    up : the file's vertical axis: "y", "z", "x", or with a minus.
+    fps : frames a second.
+    mapping : which joint is which link, for skeletons that are not understood: a table as `kinesics.body.anatomy.resolve`
+        takes it, or a TOML file of it.
+    keep_first_frame : keep an inserted T-pose at the beginning of a BVH.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be read; the message names the line.
+    InputError
+        If an argument cannot be used.
+    """
+    if fps is not None and not (np.isfinite(fps) and fps > 0):
+        raise InputError(f"Expected `fps` above 0, got {fps}.")
+    path = _as_path(path)
+    options = ReadOptions(None if skeleton is None else _as_path(skeleton), unit, up, fps, keep_first_frame)
+    head = load(path, HEAD_BYTES)
+    chosen = of_content(path, head)
+    raw = load(path)
+    assert chosen.read is not None, "of_content gives readable formats only"
+    recording = chosen.read(path, raw, options)
+    source = Source(format=chosen.name, file_name=path.name, sha256=hashlib.sha256(raw).hexdigest())
+    motion = _to_metres_and_y_up(recording, source, options, path)
+    if mapping:
+        from kinesics.body import anatomy
+
+        motion = anatomy.understood(motion, _as_mapping(mapping))
+    return motion
+
+
+def write(motion: Motion, path: str | PathLike[str], *, overwrite: bool = False) -> tuple[str, ...]:
+    """Write a motion; the suffix decides the format. Files appear whole or not at all.
+
+    A motion read from the same format is written in its own unit, axes and channels.
+
+    Parameters
+    ----------
+    overwrite : replace files that are there.
+
+    Returns
+    -------
+    What the format could not hold, in words; empty where nothing was lost.
+
+    Raises
+    ------
+    InputError
+        If the suffix belongs to no format, a file is there and ``overwrite`` is false, or the motion cannot be expressed.
+    """
+    path = _as_path(path)
+    chosen = for_writing(path)
+    assert chosen.write is not None, "for_writing gives writable formats only"
+    if not path.parent.is_dir():
+        raise FileError(path, "The folder to write to does not exist.", hint="Make it first.")
+    written = chosen.write(motion, path)
+    if not overwrite:
+        there = [p.name for p, _ in written.files if p.exists()]
+        if there:
+            raise InputError(
+                f"'{there[0]}' is there already, in '{path.parent}'; nothing was written. Give another name, or overwrite=True."
+            )
+    _put_down(written)
+    return written.remarks
+
+
+def load(path: Path, most: int | None = None) -> bytes:
+    """The bytes of a file, or its first ``most``.
+
+    Raises
+    ------
+    FileError
+        If it is missing, no plain file, too large or may not be read.
+    """
+    try:
+        status = path.stat()
+        if stat.S_ISDIR(status.st_mode):
+            raise FileError(path, "Expected a file, but this is a folder.", hint=_FOLDER_HINT)
+        if not stat.S_ISREG(status.st_mode):
+            raise FileError(path, "Expected a plain file, but this is a device or a pipe.")
+        if most is None and status.st_size > LARGEST_FILE:
+            raise FileError(
+                path,
+                f"The file has {status.st_size / 2**30:.1f} GiB; at most {LARGEST_FILE / 2**30:.0f} GiB can be read.",
+                hint="Cut it into shorter recordings.",
+            )
+        with path.open("rb") as file:
+            return file.read(-1 if most is None else most)
+    except FileNotFoundError:
+        raise FileError(path, "There is no such file.") from None
+    except (OSError, ValueError) as error:
+        # a ValueError is a name with a zero byte in it
+        reason = getattr(error, "strerror", None) or str(error)
+        raise FileError(path, f"The file cannot be opened: {reason}.") from None
+
+
+def _to_metres_and_y_up(recording: Recording, source: Source, options: ReadOptions, path: Path) -> Motion:
+    """The `Motion` of a `Recording`: what is the same for all formats."""
+    from kinesics.body import conventions
+
+    skeleton = recording.skeleton
+    sample = np.unique(np.linspace(0, len(recording.rotations) - 1, _JUDGED_FRAMES).astype(np.intp))
+    shifts = recording.joint_translations
+    positions = kinematics.forward(
+        skeleton,
+        recording.rotations[sample],
+        recording.root_positions[sample],
+        None if shifts is None else shifts[sample],
+    ).positions
+    unit = recording.metres_per_unit if options.unit is None else options.unit
+    up = recording.up_axis if options.up is None else options.up
+    judged = conventions.detect(skeleton, positions, unit=unit, up=up)
+    scale = judged.metres_per_unit
+
+    rotations, roots = recording.rotations, recording.root_positions * scale
+    if judged.up_axis != "y":
+        turn = conventions.to_y_up(judged.up_axis)
+        first, roots = conventions.rotate_world(turn, rotations[:, 0], roots)
+        rotations = rotations.copy()
+        rotations[:, 0] = first
+    if shifts is not None:
+        shifts = shifts * scale
+        shifts[:, 0] = roots
+    sites = tuple(
+        dataclasses.replace(s, offset=(s.offset[0] * scale, s.offset[1] * scale, s.offset[2] * scale))
+        for s in skeleton.end_sites
+    )
+    return Motion(
+        skeleton=skeleton.replace(offsets=skeleton.offsets * scale, end_sites=sites),
+        rotations=rotations,
+        root_positions=roots,
+        fps=recording.fps,
+        joint_translations=shifts,
+        name=path.stem,
+        source=dataclasses.replace(
+            source, metres_per_unit=scale, up_axis=judged.up_axis, details=dict(recording.details)
+        ),
+        assumptions=(*recording.assumptions, *judged.assumptions),
+        warnings=recording.warnings,
+    )
+
+
+def _as_path(path: Any) -> Path:
+    try:
+        return Path(path)
+    except TypeError:
+        raise InputError(f"Expected the path of a file, got {type(path).__name__}.") from None
+
+
+def _as_mapping(mapping: Mapping[str, object] | str | PathLike[str]) -> Mapping[str, object]:
+    """Roles to joint names: as given, or of a TOML file; a table ``[joints]`` is opened."""
+    table: Mapping[str, object]
+    if isinstance(mapping, Mapping):
+        table = mapping
+    else:
+        import tomllib
+
+        path = _as_path(mapping)
+        try:
+            table = tomllib.loads(load(path).decode("utf-8"))
+        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+            raise FileError(path, f"This is not TOML: {error}.") from None
+    joints = table.get("joints")
+    if isinstance(joints, Mapping):
+        return {**{k: v for k, v in table.items() if k != "joints"}, **joints}
+    return table
+
+
+def _put_down(written: Written) -> None:
+    """Write all files beside where they belong, then move them there: none is ever seen half-written."""
+    parts: list[tuple[Path, Path]] = []
+    try:
+        for path, data in written.files:
+            part = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
+            parts.append((part, path))
+            with part.open("xb") as file:
+                file.write(data)
+        for part, path in parts:
+            part.replace(path)
+    except OSError as error:
+        raise FileError(written.files[0][0], f"The file cannot be written: {error.strerror or error}.") from None
+    finally:
+        for part, _ in parts:
+            with contextlib.suppress(OSError):
+                part.unlink(missing_ok=True)
