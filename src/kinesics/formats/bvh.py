@@ -306,10 +306,7 @@ def _read_motion(file: text.TextFile, position: int, tree: _Hierarchy, options: 
         )
     if promised is not None and len(values) > promised:
         tree.warnings.append(f"line {frames_line} promises {promised} frames but there are {len(values)}: all are read")
-    if max(values.max(), -values.min()) > text.LARGEST_VALUE:
-        row = int(np.argmax(np.abs(values).max(axis=1) > text.LARGEST_VALUE))
-        worst = values[row, int(np.argmax(np.abs(values[row])))]
-        file.fail(f"{worst:g} in frame {row} is no length or angle that a body can have.")
+    text.refuse_huge(file, values)
     return fps, values
 
 

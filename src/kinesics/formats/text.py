@@ -125,6 +125,23 @@ def why_not_a_number(word: str) -> str:
     return f"'{shown}' is not a finite number."
 
 
+def refuse_huge(file: TextFile, values: Array) -> None:
+    """Numbers that no body has, shape (frames, columns).
+
+    Raises
+    ------
+    FileError
+        If there is one; the message names the frame.
+    """
+    if values.size and max(values.max(), -values.min()) > LARGEST_VALUE:
+        sizes = np.abs(values).max(axis=1)
+        frame = int(np.argmax(sizes > LARGEST_VALUE))
+        raise FileError(
+            file.path,
+            f"Frame {frame} (counted from 0) has a value of size {sizes[frame]:g}: no length or angle of a body.",
+        )
+
+
 def parse_rows(data: bytes, start: int, columns: int) -> Table:
     """Rows of numbers from byte ``start`` on, one row of ``columns`` numbers a line.
 
