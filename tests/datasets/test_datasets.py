@@ -56,7 +56,7 @@ def server(tmp_path: Path) -> Iterator[Server]:
             pass
 
     httpd = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Handler, directory=str(root)))
-    thread = threading.Thread(target=httpd.serve_forever, daemon=True)
+    thread = threading.Thread(target=httpd.serve_forever, args=(0.01,), daemon=True)
     thread.start()
     ours = Server(f"http://127.0.0.1:{httpd.server_port}", root)
     yield ours
@@ -218,7 +218,7 @@ def test_a_folder_that_cannot_be_written_is_named(server: Server, tmp_path: Path
     """A file stands where the folder should be."""
     serve_clip(server)
     (tmp_path / "kept").write_text("I am a file")
-    with pytest.raises(InputError, match="Cannot keep files in .*kept"):
+    with pytest.raises(InputError, match=r"Cannot keep files in .*kept"):
         datasets.fetch("126_06", tmp_path / "kept", mirror=server.url)
 
 

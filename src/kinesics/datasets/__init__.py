@@ -7,7 +7,7 @@ Nothing of it is part of the package: every recording comes from its owner, on t
 """
 
 from kinesics.datasets.catalogue import COLLECTIONS, NAMED_SETS, Collection, Dataset, RemoteFile, find
-from kinesics.datasets.download import Fetched, default_folder, fetch
+from kinesics.datasets.download import Fetched, Trust, default_folder, fetch
 
 __all__ = [
     "COLLECTIONS",
@@ -16,6 +16,7 @@ __all__ = [
     "Dataset",
     "Fetched",
     "RemoteFile",
+    "Trust",
     "default_folder",
     "fetch",
     "find",

@@ -1,0 +1,5 @@
+"""``python -m kinesics.cli``: the same as the ``kinesics`` command."""
+
+from kinesics.cli import main
+
+main()

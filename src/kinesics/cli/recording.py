@@ -1,0 +1,115 @@
+"""How a recording is named on the command line: the options that every command shares, and the reading."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from kinesics.errors import FileError
+
+if TYPE_CHECKING:
+    from kinesics.body.motion import Motion
+
+_PANEL = "How to read the file"
+
+Skeleton = Annotated[
+    Path | None,
+    typer.Option(
+        "--skeleton",
+        metavar="ASF",
+        rich_help_panel=_PANEL,
+        help="The skeleton of an AMC file, where it is not beside it.",
+    ),
+]
+Map = Annotated[
+    Path | None,
+    typer.Option(
+        "--map",
+        metavar="TOML",
+        rich_help_panel=_PANEL,
+        help="Which joint is what, where the skeleton is not understood.",
+    ),
+]
+Unit = Annotated[
+    str | None,
+    typer.Option(
+        "--unit",
+        metavar="U",
+        rich_help_panel=_PANEL,
+        help="Unit of length: m, cm, mm, in, ft, asf, or metres per unit.",
+    ),
+]
+Up = Annotated[
+    str | None,
+    typer.Option("--up", metavar="A", rich_help_panel=_PANEL, help="The axis that points up: x, y, z, -x, -y, -z."),
+]
+Fps = Annotated[
+    float | None,
+    typer.Option(
+        "--fps", metavar="F", rich_help_panel=_PANEL, help="Frames a second, where the file does not say or is wrong."
+    ),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON, alone, on stdout.")]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace what is there.")]
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What the user says of the files."""
+
+    skeleton: Path | None = None
+    map: Path | None = None
+    unit: str | None = None
+    up: str | None = None
+    fps: float | None = None
+
+    def mapping(self) -> Mapping[str, Any] | None:
+        """The mapping file as a table.
+
+        Raises
+        ------
+        FileError
+            If it is missing or no TOML.
+        """
+        return None if self.map is None else read_mapping(self.map)
+
+    def read(self, file: Path) -> Motion:
+        """Read a recording the way the user says.
+
+        Raises
+        ------
+        InputError
+            If it cannot be read.
+        """
+        from kinesics import formats
+
+        return formats.read(
+            file, skeleton=self.skeleton, unit=self.unit, up=self.up, fps=self.fps, mapping=self.mapping()
+        )
+
+
+def read_mapping(path: Path) -> Mapping[str, Any]:
+    """A mapping file: TOML with a table ``[joints]`` of role = "joint name" (see `kinesics.body.anatomy.resolve`).
+
+    Raises
+    ------
+    FileError
+        If it is missing or no TOML.
+    """
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise FileError(path, f"The mapping file cannot be read: {error.strerror}.") from error
+    except UnicodeDecodeError as error:
+        raise FileError(path, "The mapping file is not text in UTF-8.") from error
+    except tomllib.TOMLDecodeError as error:
+        raise FileError(
+            path,
+            f"The mapping file is not TOML: {error}.",
+            hint='Expected lines such as left_femur = "Hip_L" under [joints].',
+        ) from error

@@ -1,0 +1,391 @@
+"""The command line: exit codes, what goes where, and that nothing half-written is left."""
+
+from __future__ import annotations
+
+import re
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import jsonschema
+import numpy as np
+import pytest
+
+import kinesics as kx
+from kinesics import report
+from kinesics.cli import terminal
+
+from .conftest import Kinesics
+
+COMMANDS = ([], ["demo"], ["info"], ["analyze"], ["convert"], ["data"], ["data", "list"], ["data", "fetch"])
+
+
+def files(folder: Path) -> set[str]:
+    return {p.relative_to(folder).as_posix() for p in folder.rglob("*") if p.is_file()}
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda c: " ".join(c) or "kinesics")
+def test_help_fits_a_terminal_of_80_columns_and_shows_examples(kinesics: Kinesics, command: list[str]) -> None:
+    """Every command explains itself, within 80 columns, with examples."""
+    got = kinesics(*command, "--help")
+    assert got.code == 0
+    assert max(len(line) for line in got.out.splitlines()) <= 80
+    if command not in ([], ["data"]):
+        assert "Examples" in got.out
+        assert "kinesics " + " ".join(command) in got.out.split("Examples")[1]
+
+
+def test_version(kinesics: Kinesics) -> None:
+    """The version, alone."""
+    assert kinesics("--version").out == f"kinesics {kx.__version__}\n"
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        ["nothing"],
+        ["analyze"],
+        ["analyze", "x.bvh", "--beta", "much"],
+        ["convert", "x.bvh"],
+        ["info", "x.bvh", "--colour"],
+        ["perform", "x.bvh"],
+        ["data", "fetch"],
+    ],
+    ids=" ".join,
+)
+def test_a_wrong_call_is_2_and_says_so_on_stderr(kinesics: Kinesics, call: list[str]) -> None:
+    """Unknown commands and options, missing and unusable arguments."""
+    got = kinesics(*call)
+    assert got.code == 2
+    assert got.out == ""
+    assert "Error" in got.err
+
+
+@pytest.mark.parametrize("command", ["info", "analyze", "convert"])
+@pytest.mark.parametrize("kind", ["missing", "folder", "empty", "rubbish", "cut"])
+def test_a_bad_file_is_one_message_on_stderr(
+    kinesics: Kinesics, walk: Path, tmp_path: Path, command: str, kind: str
+) -> None:
+    """Exit 2, the file's name, one message, no traceback, nothing on stdout, nothing written."""
+    bad = tmp_path / "bad.bvh"
+    if kind == "folder":
+        bad.mkdir()
+    elif kind == "empty":
+        bad.write_bytes(b"")
+    elif kind == "rubbish":
+        bad.write_bytes(bytes(range(256)) * 20)
+    elif kind == "cut":
+        bad.write_bytes(walk.read_bytes()[:2000])
+    before = files(tmp_path)
+    got = kinesics(command, "bad.bvh", *(["out.bvh"] if command == "convert" else []))
+    assert got.code == 2
+    assert got.out == ""
+    assert got.err.startswith("kinesics: ")
+    assert got.err.count("bad.bvh") >= 1
+    assert got.err.count("kinesics: ") == 1
+    assert "Traceback" not in got.err
+    assert files(tmp_path) == before
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "says"),
+    [
+        ("--fps", "0", "fps"),
+        ("--beta", "-1", "β"),
+        ("--unit", "furlong", "furlong"),
+        ("--up", "w", "w"),
+        ("--map", "no.toml", "no.toml"),
+    ],
+)
+def test_an_unusable_option_is_named(kinesics: Kinesics, walk: Path, option: str, value: str, says: str) -> None:
+    """Values that cannot be: exit 2 and the value in the message."""
+    got = kinesics("analyze", walk, option, value)
+    assert got.code == 2
+    assert says in got.err
+    assert "Traceback" not in got.err
+
+
+def test_info_tells_what_a_file_is(kinesics: Kinesics, walk: Path) -> None:
+    """For people: format, length, and which joint is what."""
+    got = kinesics("info", walk)
+    assert got.code == 0
+    assert "60 frames at 30 fps: 2.00 s" in got.out
+    assert re.search(r"left_femur\s+\S", got.out)
+    assert got.err == ""
+
+
+def test_info_as_json(kinesics: Kinesics, walk: Path) -> None:
+    """For programs: the same, alone on stdout."""
+    got = kinesics("info", walk, "--json")
+    facts = got.json()
+    assert facts["frames"] == 60
+    assert facts["fps"] == pytest.approx(30)
+    assert facts["format"] == "bvh"
+    assert facts["not_understood"] is None
+    assert facts["body"]["parts"]["head"] in facts["joints"]
+
+
+DOG = """HIERARCHY
+ROOT Body
+{
+  OFFSET 0 0 0
+  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+  JOINT Tail
+  {
+    OFFSET 0 0 -30
+    CHANNELS 3 Zrotation Xrotation Yrotation
+    End Site
+    {
+      OFFSET 0 0 -20
+    }
+  }
+}
+MOTION
+Frames: 2
+Frame Time: 0.01
+0 40 0 0 0 0 0 0 0
+0 40 0 0 0 0 0 10 0
+"""
+
+
+def test_info_says_why_a_skeleton_is_not_understood(kinesics: Kinesics, tmp_path: Path) -> None:
+    """Not a human body: the file is described all the same, with what is missing."""
+    (tmp_path / "dog.bvh").write_text(DOG)
+    got = kinesics("info", "dog.bvh")
+    assert got.code == 0
+    assert "not understood" in got.out
+    assert "left_femur" in got.out
+    facts = kinesics("info", "dog.bvh", "--json").json()
+    assert facts["body"] is None
+    assert "left_femur" in facts["not_understood"]["missing"]
+
+
+def test_analyze_refuses_a_skeleton_that_is_not_understood(kinesics: Kinesics, tmp_path: Path) -> None:
+    """Exit 2, and the way out (--map) named."""
+    (tmp_path / "dog.bvh").write_text(DOG)
+    got = kinesics("analyze", "dog.bvh")
+    assert got.code == 2
+    assert "--map" in got.err
+    assert files(tmp_path) == {"dog.bvh"}
+
+
+def test_a_mapping_file_is_used(kinesics: Kinesics, tmp_path: Path, walk: Path) -> None:
+    """Joints under names that say nothing become known by the user's word; wrong ones are refused by name."""
+    motion = kx.read(walk)
+    names = tuple(f"b{k:02d}" for k in range(motion.skeleton.joint_count))
+    kx.write(motion.replace(skeleton=motion.skeleton.replace(joint_names=names)), tmp_path / "bare.bvh")
+    parts = kinesics("info", walk, "--json").json()["body"]["parts"]
+    index = dict(zip(motion.skeleton.joint_names, names, strict=True))
+    chosen = {
+        r: index[j] for r, j in parts.items() if r.split("_")[-1] in ("femur", "tibia", "humerus", "radius", "head")
+    }
+    (tmp_path / "map.toml").write_text("[joints]\n" + "".join(f'{r} = "{j}"\n' for r, j in chosen.items()))
+    facts = kinesics("info", "bare.bvh", "--map", "map.toml", "--json").json()
+    assert {r: facts["body"]["parts"][r] for r in chosen} == chosen
+    (tmp_path / "map.toml").write_text('[joints]\nleft_femur = "nowhere"\n')
+    got = kinesics("info", "bare.bvh", "--map", "map.toml")
+    assert got.code == 2
+    assert "nowhere" in got.err
+    (tmp_path / "map.toml").write_text("left_femur = \n")
+    assert "map.toml" in kinesics("info", "bare.bvh", "--map", "map.toml").err
+
+
+def test_analyze_leaves_a_report_beside(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
+    """FILE-kinesics in the current folder; stdout says where; a second time it is replaced."""
+    for _ in range(2):
+        got = kinesics("analyze", walk)
+        assert got.code == 0, got.err
+        assert got.out.rstrip().endswith(str(Path("walk.bvh-kinesics/report.html")))
+    assert {f"walk.bvh-kinesics/{name}" for name in report.FILES} == files(tmp_path)
+
+
+def test_analyze_as_json_writes_nothing(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
+    """The result alone on stdout, valid by the shipped schema; files only with --out."""
+    got = kinesics("analyze", walk, "--json")
+    assert got.code == 0
+    jsonschema.validate(got.json(), report.schema())
+    assert files(tmp_path) == set()
+    got = kinesics("analyze", walk, "--json", "--out", "here")
+    assert got.json()["sources"][0]["name"] == "walk.bvh"
+    assert (tmp_path / "here" / "analysis.json").exists()
+
+
+def test_beta_is_taken_and_stored(kinesics: Kinesics, walk: Path) -> None:
+    """What the user says of the contrast stands in the result."""
+    assert kinesics("analyze", walk, "--beta", "12.5", "--json").json()["beta"] == 12.5
+
+
+def test_fps_is_taken(kinesics: Kinesics, walk: Path) -> None:
+    """A file's frame rate can be overridden."""
+    assert kinesics("analyze", walk, "--fps", "60", "--json").json()["sources"][0]["fps"] == 60
+
+
+def test_several_files_are_one_analysis(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
+    """Each file becomes a source."""
+    kx.write(kx.read(walk)[10:40], tmp_path / "part.bvh")
+    got = kinesics("analyze", walk, "part.bvh", "--json").json()
+    assert [(s["name"], s["frames"]) for s in got["sources"]] == [("walk.bvh", 60), ("part.bvh", 30)]
+
+
+def test_the_folder_of_something_else_is_left_alone(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
+    """Neither other files nor the analysis of another recording are replaced, unless --overwrite."""
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "thesis.txt").write_text("years of work")
+    got = kinesics("analyze", walk, "--out", "mine")
+    assert got.code == 2
+    assert "--overwrite" in got.err
+    assert files(tmp_path) == {"mine/thesis.txt"}
+    assert kinesics("analyze", walk, "--out", "mine", "--overwrite").code == 0
+    assert (tmp_path / "mine" / "thesis.txt").read_text() == "years of work"
+
+
+def test_convert_keeps_the_movement(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
+    """BVH to ASF/AMC and back: positions to a millionth; stdout names the file."""
+    assert kinesics("convert", walk, "walk.amc").code == 0
+    assert (tmp_path / "walk.asf").exists()
+    got = kinesics("convert", "walk.amc", "again.bvh")
+    assert got.code == 0
+    assert got.out == "again.bvh\n"
+    first, again = kx.read(walk), kx.read(tmp_path / "again.bvh")
+    common = [n for n in first.skeleton.joint_names if n in again.skeleton.joint_names]
+    assert len(common) >= 15
+    there = first.positions()[:, [first.skeleton.find(n) for n in common]]
+    here = again.positions()[:, [again.skeleton.find(n) for n in common]]
+    assert np.abs(there - here).max() < 1e-6
+
+
+def test_convert_does_not_overwrite_unasked(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
+    """A file that is there stays, and the recording itself stays whatever is asked."""
+    (tmp_path / "there.bvh").write_text("mine")
+    got = kinesics("convert", walk, "there.bvh")
+    assert got.code == 2
+    assert "--overwrite" in got.err
+    assert (tmp_path / "there.bvh").read_text() == "mine"
+    assert kinesics("convert", walk, "there.bvh", "--overwrite").code == 0
+    got = kinesics("convert", "there.bvh", "there.bvh", "--overwrite")
+    assert got.code == 2
+    assert kx.read(tmp_path / "there.bvh").frame_count == 60
+
+
+def test_convert_to_an_unknown_format_lists_the_known(kinesics: Kinesics, walk: Path) -> None:
+    """The suffix decides; a wrong one is answered with those there are."""
+    got = kinesics("convert", walk, "walk.xyz")
+    assert got.code == 2
+    assert ".bvh" in got.err
+
+
+def test_demo_runs_and_can_be_run_again(kinesics: Kinesics, tmp_path: Path) -> None:
+    """The main job without a recording; a second run replaces its own report."""
+    for _ in range(2):
+        got = kinesics("demo", "--movement", "walk")
+        assert got.code == 0, got.err
+        assert got.out.rstrip().endswith(str(Path("demo-kinesics/report.html")))
+    assert (tmp_path / "demo-kinesics" / "zz.png").exists()
+
+
+def test_demo_lists_the_movements(kinesics: Kinesics) -> None:
+    """A wrong name is answered with the right ones."""
+    got = kinesics("demo", "--movement", "flying")
+    assert got.code == 2
+    assert "walk" in got.err
+
+
+def test_data_list_has_terms(kinesics: Kinesics) -> None:
+    """Sets, homes and terms, for people and for programs."""
+    got = kinesics("data", "list")
+    assert got.code == 0
+    assert "butterfly" in got.out
+    assert "may not be resold" in got.out
+    assert {"cmu", "bandai-namco"} <= {c["name"] for c in kinesics("data", "list", "--json").json()["collections"]}
+
+
+def test_data_fetch_without_a_network(kinesics: Kinesics, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Exit 2, one message, what to do."""
+    monkeypatch.setattr("kinesics.datasets.download._RETRIES", 0)
+    got = kinesics("data", "fetch", "07_01", "--to", "here")
+    assert got.code == 2
+    assert "Check the network" in got.err
+    assert files(tmp_path) == set()
+
+
+def test_a_defect_is_1_with_a_short_message(kinesics: Kinesics, walk: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What we did not foresee: no traceback unless asked for, and the request to report it."""
+
+    def broken(*_: object, **__: object) -> None:
+        raise ZeroDivisionError("by zero")
+
+    monkeypatch.setattr("kinesics.analysis.analyze", broken)
+    got = kinesics("analyze", walk)
+    assert got.code == 1
+    assert "report it" in got.err
+    assert "Traceback" not in got.err
+    assert "Traceback" in kinesics("--debug", "analyze", walk).err
+
+
+def test_a_full_disk_or_a_forbidden_folder_is_not_a_defect(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
+    """The system's own reasons are told in one sentence."""
+    (tmp_path / "file").write_text("")
+    got = kinesics("analyze", walk, "--out", "file/inside")
+    assert got.code == 2
+    assert "file" in got.err
+    assert "Traceback" not in got.err
+
+
+def test_names_from_outside_cannot_command_the_terminal(kinesics: Kinesics, tmp_path: Path, walk: Path) -> None:
+    """Escape sequences in file names are shown, not obeyed; brackets are not taken for markup."""
+    name = "[bold]a\x1b[2Jb[/x].bvh"
+    (tmp_path / name).write_bytes(walk.read_bytes())
+    for call in (["info", name], ["info", "missing\x1b[2J.bvh"]):
+        got = kinesics(*call)
+        assert "\x1b[2J" not in got.out + got.err
+    assert "[bold]a" in kinesics("info", name).out
+
+
+@pytest.mark.parametrize("after", [1, 2, 4, 8, 12])
+@pytest.mark.parametrize("again", [False, True], ids=["new folder", "old folder"])
+def test_ctrl_c_is_130_and_leaves_nothing_half_written(
+    kinesics: Kinesics, walk: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, after: int, again: bool
+) -> None:
+    """Stopped at any of the moments at which work reports: no traceback, and the folder is as it was before."""
+    if again:
+        kinesics("analyze", walk)
+    before = {name: (tmp_path / name).read_bytes() for name in files(tmp_path)}
+    told: list[float] = []
+
+    def stop(_: terminal.Bar, fraction: float, message: str = "") -> None:
+        told.append(fraction)
+        if len(told) == after:
+            signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(terminal.Bar, "__call__", stop)
+    got = kinesics("analyze", walk)
+    assert len(told) == after, "the work reports more often than the test stops it"
+    assert got.code == 130
+    assert "Traceback" not in got.err
+    assert got.out == ""
+    assert {name: (tmp_path / name).read_bytes() for name in files(tmp_path)} == before
+    assert not [p for p in tmp_path.iterdir() if p.name.startswith(".")]
+
+
+def test_a_reader_that_goes_away_is_no_error(walk: Path) -> None:
+    """`kinesics … | head -1`."""
+    command = subprocess.Popen(
+        [sys.executable, "-m", "kinesics.cli", "analyze", str(walk), "--json"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+    assert command.stdout is not None
+    assert command.stderr is not None
+    command.stdout.close()
+    said = command.stderr.read()
+    command.stderr.close()
+    assert command.wait(60) == 0
+    assert said == b""
+
+
+def test_the_bar_appears_only_for_people_and_only_after_a_second(capsys: pytest.CaptureFixture[str]) -> None:
+    """Where stderr is no terminal nothing is drawn."""
+    with terminal.Bar("Working") as bar:
+        bar.part(0.0, 0.5)(1.0, "half")
+    assert capsys.readouterr().err == ""
