@@ -46,4 +46,16 @@ def distances(
 def paths() -> list[str]:
     """Code paths this processor has, the fastest first."""
 
+def forward_kinematics(
+    parents: NDArray[np.int32],
+    offsets: _Doubles,
+    rotations: _Doubles,
+    root_positions: _Doubles | None,
+    joint_translations: _Doubles | None,
+    world: _Doubles | None,
+    positions: _Doubles | None,
+    threads: int = 0,
+) -> None:
+    """Fill world orientations (frames, joints, 4) and positions (frames, joints, 3), whichever are given."""
+
 def __getattr__(name: str) -> Any: ...

@@ -1,13 +1,23 @@
-"""Forward kinematics: from joint rotations to orientations and positions in the world (§2.6)."""
+"""Forward kinematics: from joint rotations to orientations and positions in the world ([Schultz2012] §2.6).
+
+The compiled kernel does it where it was built, NumPy elsewhere (or with ``KINESICS_NO_NATIVE=1``).
+"""
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kinesics.errors import InputError
 from kinesics.geometry import quaternion
+
+try:
+    from kinesics import _native
+except ImportError:  # built without a compiler
+    _native = None  # type: ignore[assignment]
 
 if TYPE_CHECKING:
     from kinesics.body.skeleton import Skeleton
@@ -24,15 +34,6 @@ class Kinematics(NamedTuple):
     """World orientations, quaternions, shape (frames, joints, 4)."""
 
 
-def global_rotations(skeleton: Skeleton, rotations: Array) -> Array:
-    """World orientations of all joints from rotations relative to the parents. Shape (frames, joints, 4) to the same."""
-    out = np.empty_like(rotations)
-    out[:, 0] = rotations[:, 0]
-    for j, parent in enumerate(skeleton.parents[1:], start=1):
-        out[:, j] = quaternion.multiply(out[:, parent], rotations[:, j])
-    return out
-
-
 def forward(
     skeleton: Skeleton, rotations: Array, root_positions: Array, joint_translations: Array | None = None
 ) -> Kinematics:
@@ -40,14 +41,88 @@ def forward(
 
     Parameters
     ----------
-    rotations : relative to the parents, shape (frames, joints, 4).
+    rotations : relative to the parents, unit quaternions (w, x, y, z), shape (frames, joints, 4).
     root_positions : metres, shape (frames, 3).
     joint_translations : metres, shape (frames, joints, 3), in place of the skeleton's offsets; entry 0 is not read.
+
+    Raises
+    ------
+    InputError
+        If shapes disagree.
+
+    References
+    ----------
+    [Schultz2012] §2.6.
     """
-    world = global_rotations(skeleton, rotations)
-    positions = np.empty((*rotations.shape[:2], 3))
-    positions[:, 0] = root_positions
+    q, roots, shifts = _check(skeleton, rotations, root_positions, joint_translations)
+    where, world = np.empty((*q.shape[:2], 3)), np.empty_like(q)
+    _solve(skeleton, q, roots, shifts, world, where)
+    return Kinematics(where, world)
+
+
+def positions(
+    skeleton: Skeleton, rotations: Array, root_positions: Array, joint_translations: Array | None = None
+) -> Array:
+    """Positions alone, metres, shape (frames, joints, 3). Parameters and errors are those of `forward`."""
+    q, roots, shifts = _check(skeleton, rotations, root_positions, joint_translations)
+    where = np.empty((*q.shape[:2], 3))
+    _solve(skeleton, q, roots, shifts, None, where)
+    return where
+
+
+def global_rotations(skeleton: Skeleton, rotations: Array) -> Array:
+    """World orientations of all joints from rotations relative to the parents. Shape (frames, joints, 4) to the same.
+
+    Raises
+    ------
+    InputError
+        If the shape is not that of the skeleton.
+    """
+    q, _, _ = _check(skeleton, rotations, None, None)
+    world = np.empty_like(q)
+    _solve(skeleton, q, None, None, world, None)
+    return world
+
+
+def _check(
+    skeleton: Skeleton, rotations: Array, root_positions: Array | None, joint_translations: Array | None
+) -> tuple[Array, Array | None, Array | None]:
+    joints = skeleton.joint_count
+    q = np.ascontiguousarray(rotations, dtype=np.float64)
+    if q.ndim != 3 or q.shape[1:] != (joints, 4):
+        raise InputError(f"Expected `rotations` of shape (frames, {joints}, 4), got {q.shape}.")
+    roots = None if root_positions is None else np.ascontiguousarray(root_positions, dtype=np.float64)
+    if roots is not None and roots.shape != (len(q), 3):
+        raise InputError(f"Expected `root_positions` of shape ({len(q)}, 3), got {roots.shape}.")
+    shifts = None if joint_translations is None else np.ascontiguousarray(joint_translations, dtype=np.float64)
+    if shifts is not None and shifts.shape != (len(q), joints, 3):
+        raise InputError(f"Expected `joint_translations` of shape ({len(q)}, {joints}, 3), got {shifts.shape}.")
+    return q, roots, shifts
+
+
+def _native_wanted() -> bool:
+    """Whether the compiled kernel is there and the environment does not ask for NumPy."""
+    return (
+        _native is not None
+        and os.environ.get("KINESICS_NO_NATIVE", "") in ("", "0")
+        and os.environ.get("KINESICS_KERNEL", "") != "numpy"
+    )
+
+
+def _solve(
+    skeleton: Skeleton, q: Array, roots: Array | None, shifts: Array | None, world: Array | None, where: Array | None
+) -> None:
+    """Write into ``world`` (orientations) and ``where`` (positions; needs ``roots``), whichever are given."""
+    if _native_wanted():
+        parents = np.array(skeleton.parents, dtype=np.int32)
+        _native.forward_kinematics(parents, skeleton.offsets, q, roots, shifts, world, where)
+        return
+    world = np.empty_like(q) if world is None else world
+    world[:, 0] = q[:, 0]
+    if where is not None:
+        where[:, 0] = roots
     for j, parent in enumerate(skeleton.parents[1:], start=1):
-        offset = skeleton.offsets[j] if joint_translations is None else joint_translations[:, j]
-        positions[:, j] = positions[:, parent] + quaternion.rotate(world[:, parent], offset)
-    return Kinematics(positions, world)
+        world[:, j] = quaternion.multiply(world[:, parent], q[:, j])
+        if where is not None:
+            offset = skeleton.offsets[j] if shifts is None else shifts[:, j]
+            where[:, j] = where[:, parent] + quaternion.rotate(world[:, parent], offset)

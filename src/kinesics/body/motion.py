@@ -114,7 +114,7 @@ class Motion:
 
     def positions(self) -> Array:
         """World positions of all joints, metres, shape (frames, joints, 3)."""
-        return kinematics.forward(self.skeleton, self.rotations, self.root_positions, self.joint_translations).positions
+        return kinematics.positions(self.skeleton, self.rotations, self.root_positions, self.joint_translations)
 
     def global_rotations(self) -> Array:
         """World orientations of all joints, quaternions, shape (frames, joints, 4)."""
