@@ -41,6 +41,7 @@ CMU_60_FPS: Final = frozenset({33, 34, 42, 60, 61, 62, 74, 75, 77, 79, 80, 87, 8
 _DEGREE = np.pi / 180.0
 _ANGLE_PLACES = 7
 _FPS_REMARK = "# frames per second:"
+_HELPERS = "bones that only lead to others:"
 _SAID_FPS = re.compile(rb"^[ \t]*(?:# frames per second:|:SAMPLES-PER-SECOND)\s*(\S+)", re.IGNORECASE | re.MULTILINE)
 _FRAME_NUMBER = re.compile(rb"^[ \t]*(\d+)[ \t\r]*$", re.MULTILINE)
 _SECTION = re.compile(
@@ -78,6 +79,13 @@ class _Bone:
     limits: tuple[tuple[float, float], ...] = ()
     children: list[str] = field(default_factory=list)
     parent: str = ""
+    gap: Array = field(default_factory=lambda: np.zeros(3))
+    """From the far end of the parent to the joint, where a helper bone bridged it."""
+    ends: list[Array] = field(default_factory=list)
+    """Tips beyond the far end, which helper bones led to."""
+
+    def tip(self) -> Array:
+        return np.array(self.direction) * self.length
 
     def turning(self) -> str:
         return "".join(dof[1] for dof in self.dofs if dof[0] == "r")
@@ -99,6 +107,8 @@ class _Asf:
     position: tuple[float, ...] = (0.0, 0.0, 0.0)
     bones: dict[str, _Bone] = field(default_factory=dict)
     """By name, parents before children; the first is the root."""
+    helpers: set[str] = field(default_factory=set)
+    """Bones that only lead to others, where the file says so: no joints of the body."""
     warnings: list[str] = field(default_factory=list)
 
 
@@ -210,6 +220,8 @@ class _AsfReader:
                 if section == "name":
                     self.asf.name = rest.strip()
                 continue
+            if section == "documentation" and line.startswith(_HELPERS):
+                self.asf.helpers = set(line.removeprefix(_HELPERS).split())
             # the definition has commas and brackets count as white space
             words = re.sub(r"[(),]", " ", line.split("#")[0]).split()
             if not words:
@@ -329,8 +341,24 @@ class _AsfReader:
         lost = [name for name in everyone if name not in self.asf.bones]
         if lost:
             self.asf.warnings.append(f"{self.file.path.name}: {_some(lost)} not connected with the root: left out")
+        for name in self.asf.helpers:
+            self._fold(name)
         if len(self.asf.bones) == 1:
             self._fail("No bone hangs on the root.", hint="The file seems cut off: there is no :hierarchy section.")
+
+    def _fold(self, name: str) -> None:
+        """Take a helper bone out: what it led to hangs on its parent, at a distance."""
+        bone = self.asf.bones.get(name)
+        if bone is None or bone.dofs or not bone.parent or len(bone.children) > 1:
+            return
+        parent = self.asf.bones[bone.parent]
+        parent.children[parent.children.index(name) : parent.children.index(name) + 1] = bone.children
+        if bone.children:
+            child = self.asf.bones[bone.children[0]]
+            child.parent, child.gap = bone.parent, bone.tip() + bone.gap + child.gap
+        else:
+            parent.ends.append(bone.tip())
+        del self.asf.bones[name]
 
     def _dofs(self, words: list[str]) -> tuple[str, ...]:
         dofs = tuple(w.lower() for w in words)
@@ -394,11 +422,13 @@ def _skeleton(asf: _Asf) -> Skeleton:
     sites = []
     freedoms = []
     for j, bone in enumerate(bones):
-        tip = np.array(bone.direction) * bone.length
+        tip = bone.tip()
+        ends = [tip + end for end in bone.ends]
         if not bone.children and j and tip.any():
-            sites.append(EndSite(j, (float(tip[0]), float(tip[1]), float(tip[2]))))
+            ends.insert(0, tip)
+        sites += [EndSite(j, (float(end[0]), float(end[1]), float(end[2]))) for end in ends]
         for child in bone.children:
-            offsets[index[child]] = tip
+            offsets[index[child]] = tip + asf.bones[child].gap
         # about axes fixed in the world, the first letter first: as an intrinsic sequence, backwards
         letters = bone.axis_order[::-1]
         c = euler.from_euler([bone.axis["XYZ".index(a)] * unit for a in letters], letters)
@@ -610,8 +640,8 @@ class _BoneOut:
 def write(motion: Motion, path: Path) -> Written:
     """A motion as .amc with its .asf beside it, of the same name.
 
-    Children of one bone hang at one place. Where a motion's do not, bones of no freedom lead to them. The root is called
-    "root".
+    Children of one bone hang at one place. Where a motion's do not, helper bones of no freedom lead to them; the
+    documentation in the .asf names them, and reading takes them out again. The root is called "root".
 
     Raises
     ------
@@ -765,6 +795,7 @@ def _asf_text(motion: Motion, bones: Sequence[_BoneOut], scale: float) -> str:
         return numbers(euler.as_euler(skeleton.freedoms[joint].axis, "ZYX").angles[::-1] / _DEGREE)
 
     root, *others = bones
+    helpers = [bone.name for bone in bones if bone.joint is None]
     lines = [
         ":version 1.10",
         f":name {title}",
@@ -774,6 +805,7 @@ def _asf_text(motion: Motion, bones: Sequence[_BoneOut], scale: float) -> str:
         "  angle deg",
         ":documentation",
         "  lengths in units of 1/length inch; written by kinesics",
+        *([f"  {_HELPERS} {' '.join(helpers)}"] if helpers else []),
         ":root",
         f"  order {' '.join(root.dofs).upper()}",
         "  axis XYZ",
