@@ -190,8 +190,12 @@ std::pair<Table, std::int64_t> parse_labelled(nb::bytes data, std::size_t start,
             p = next;
             return true;
         };
+        auto line_ends = [&] {
+            skip_blanks();
+            return p == end || *p == '\n';
+        };
         auto frame = [&] {
-            if (!fresh_line || !number()) return false;
+            if (!fresh_line || !number() || !line_ends()) return false;
             for (std::size_t i = 0; i < labels.size(); ++i) {
                 if (!to_next_line()) return false;
                 const std::string &label = labels[i];
@@ -204,6 +208,7 @@ std::pair<Table, std::int64_t> parse_labelled(nb::bytes data, std::size_t start,
                     skip_blanks();
                     if (!number()) return false;
                 }
+                if (!line_ends()) return false;
             }
             return true;
         };
