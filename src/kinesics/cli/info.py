@@ -46,7 +46,7 @@ def info(
 
 def inspect(motion: Motion, mapping: Mapping[str, Any] | None = None) -> dict[str, Any]:
     """What is known of a recording, as plain values."""
-    from kinesics.body import anatomy
+    from kinesics.body import anatomy, quality
 
     source = motion.source
     facts: dict[str, Any] = {
@@ -71,6 +71,7 @@ def inspect(motion: Motion, mapping: Mapping[str, Any] | None = None) -> dict[st
         facts["body"] = {"profile": body.profile, "parts": body.roles.named(motion.skeleton)}
         facts["not_understood"] = None
         facts["assumptions"] += list(body.assumptions)
+    facts["quality"] = quality.inspect(motion).to_dict()
     return facts
 
 
@@ -96,7 +97,7 @@ def _show(facts: dict[str, Any]) -> None:
         for role, joint in facts["body"]["parts"].items():
             console.print(f"    [dim]{role:<16}[/dim]{terminal.escape(joint)}")
     _list(console, "Assumed", facts["assumptions"], "nothing: the file says it all")
-    _list(console, "Looks wrong", facts["warnings"], "nothing")
+    _list(console, "Looks wrong", [*facts["warnings"], *facts["quality"]["sentences"]], "nothing")
 
 
 def _list(console: Console, title: str, lines: list[str], otherwise: str) -> None:
