@@ -205,7 +205,9 @@ def test_q_and_minus_q_yaw_place_and_bone_lengths_do_not_matter(rng: np.random.G
     rotations[:, 0] = roots
     rotations *= rng.choice([-1.0, 1.0], rotations.shape[:2])[..., None]
     longer = motion.skeleton.replace(offsets=motion.skeleton.offsets * 1.3)
-    other = pose.poses(motion.replace(skeleton=longer, rotations=rotations, root_positions=places + np.array([3.0, 0.0, -2.0])))
+    other = pose.poses(
+        motion.replace(skeleton=longer, rotations=rotations, root_positions=places + np.array([3.0, 0.0, -2.0]))
+    )
     assert difference(other.quaternions, expected.quaternions) < 1e-9
     turned = np.angle(np.exp(1j * (other.yaw - expected.yaw - 1.1)))
     np.testing.assert_allclose(turned, 0.0, atol=1e-9)
