@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
@@ -137,6 +138,7 @@ def analyze(
             "crossings": _stillness.CROSSINGS,
             "longest_wait_s": _stillness.LONGEST_WAIT_S,
             "stay_share": _stillness.STAY_SHARE,
+            "sure": _stillness.SURE,
             "sources": [encode(r) for r in rules],
         },
         "symmetric_states": {"threshold": _symmetric.SYMMETRY_THRESHOLD, "release": _symmetric.RELEASE},
@@ -206,7 +208,8 @@ def _motions(motion: Motion | Sequence[Motion]) -> list[Motion]:
 def _source(motion: Motion, sequence: PoseSequence) -> Source:
     origin = motion.source
     return Source(
-        name=origin.file_name or motion.name,
+        # names of folders are nobody's business but the user's
+        name=re.split(r"[/\\]", origin.file_name or motion.name)[-1],
         sha256=origin.sha256,
         format=origin.format,
         skeleton=sequence.profile,

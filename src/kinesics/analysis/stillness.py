@@ -14,7 +14,8 @@ knows of β, of the picture or of the frame rate:
   speed has the same stretches. Where even that would ask for more than 3 s, 3 s are enough: 5° in 3 s is still by any standard.
 
 A stretch must also be a *stay*, not a slow passage: at least four fifths of it lie within ε/3 of its middle (of a uniform
-passage, two thirds do).
+passage, two thirds do). Only what lasts three times as long again, and so drifts at less than a thirty-sixth of the pace, needs
+no such proof: a body that settles is still.
 """
 
 from __future__ import annotations
@@ -39,6 +40,8 @@ JITTERS: Final = 3.0
 CROSSINGS: Final = 12.0
 LONGEST_WAIT_S: Final = 3.0
 STAY_SHARE: Final = 0.8
+SURE: Final = 3.0
+"""A stretch this many times the least duration (or `LONGEST_WAIT_S`) is a stay without further proof."""
 _STAY_RADIUS: Final = 1.0 / 3.0
 _BLOCK: Final = 2048
 """Most moments compared all with all; a longer stretch is sampled evenly to this many."""
@@ -103,7 +106,12 @@ def find_stillness(
     found: list[tuple[int, int]] = []
     for first, last in _runs(near):
         found.extend(_stretches(q, first, last + span, span, rule.epsilon, share))
-    return [(start, end) for start, end in _without_overlap(found) if _is_stay(q[start:end], rule.epsilon, share)]
+    sure = min(SURE * rule.minimum_s, LONGEST_WAIT_S) * poses.fps
+    return [
+        (start, end)
+        for start, end in _without_overlap(found)
+        if end - start > min(sure, frames - 1) or _is_stay(q[start:end], rule.epsilon, share)
+    ]
 
 
 def _stretches(q: Array, start: int, end: int, span: int, epsilon: float, weights: Array) -> list[tuple[int, int]]:
@@ -181,7 +189,7 @@ def _pace(poses: PoseSequence, epsilon: float, weights: Array) -> float | None:
 
 def _apart(a: Array, b: Array, weights: Array) -> Array:
     """√(2D) between frame k of both; one frame of ``b`` is compared with every frame of ``a``."""
-    return chord(paired_distance(a, b, weights))
+    return chord(paired_distance(a, np.broadcast_to(b, a.shape), weights))
 
 
 def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:

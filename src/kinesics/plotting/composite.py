@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from kinesics.body.pose import PoseSequence
 
 Array = NDArray[np.float64]
-SYMMETRIC_INK = "#00a6b3"
+SYMMETRIC_INK = "#00bcd4"
 IMAGE_INK = "#cfcfcf"
-TIME_COLOURS = "viridis"
+TIME_COLOURS = "plasma"
 _PIECES = 96
 
 

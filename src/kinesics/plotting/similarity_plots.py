@@ -104,7 +104,7 @@ def similarity_triangle(
     beta: float | None = None,
     title: str | None = None,
     overlap: float = 1.0 / 6.0,
-    figures: int = 12,
+    figures: int = 10,
     ax: Axes | None = None,
 ) -> Axes:
     """The plot turned by 45°: the identity axis below, time running right, the lag between the moments upwards (Figure 21).
@@ -128,7 +128,7 @@ def similarity_triangle(
     """
     row = motion is not None
     if ax is None:
-        ax = canvas.own_axes(9.0, 5.9 if row else 5.0, rect=(0.075, 0.245 if row else 0.11, 0.9, 0.7 if row else 0.8))
+        ax = canvas.own_axes(9.0, 6.2 if row else 4.9, rect=(0.08, 0.3 if row else 0.11, 0.89, 0.64 if row else 0.81))
     width = canvas.pixel_size(ax)[0]
     layers = _layers(sim, kind, width, fps, beta)
     if motion is not None and motion.frame_count != layers.frames:
@@ -236,7 +236,7 @@ def colour_key(palette: str | Palette) -> str:
 def _figures_beneath(ax: Axes, motion: Motion, overlap: float, figures: int) -> None:
     """The row of overlaid figures, each centred under its own time (Figure 21)."""
     # the axis label and the tick labels stand between the triangle and the figures
-    below = ax.inset_axes((0.0, -0.36, 1.0, 0.24))
+    below = ax.inset_axes((0.0, -0.45, 1.0, 0.32))
     count = min(figures, motion.frame_count)
     # figure k stands in the middle of its share of the time axis
     frames = ((np.arange(count) + 0.5) * motion.frame_count / count).astype(np.intp)

@@ -123,7 +123,7 @@ def stick_figure_row(
     widest = max(0.5, 2.0 * np.abs(points[:, 0]).max())
     room = float(np.diff(np.sort(places)).min()) if len(places) > 1 else 1.0
     pixels = canvas.pixel_size(ax)
-    height = min(0.94 * pixels[1], (high - low) / widest * 1.25 * room * pixels[0]) if high > low else pixels[1]
+    height = min(0.96 * pixels[1], (high - low) / widest * 1.3 * room * pixels[0]) if high > low else pixels[1]
     metre = height / max(high - low, 1e-9)  # pixels
     across, up = metre / pixels[0], metre / pixels[1]
     line_width = float(np.clip(0.0125 * height * 72.0 / ax.figure.dpi, 0.7, 3.0))

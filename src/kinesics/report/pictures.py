@@ -57,14 +57,14 @@ def draw(analysis: Analysis, *, palette: str = "thesis", progress: Progress | No
     key = colour_key(palette)
 
     report(0.35, "the square")
-    square, ax = _page(_PIXELS, _PIXELS, left=130, right=45, bottom=165, top=85)
+    square, ax = _page(_PIXELS, _PIXELS, left=130, right=45, bottom=150, top=85)
     similarity_plot(pooled, palette=palette, ax=ax)
     _borders(ax, borders, len(poses) / poses.fps, triangle=False)
     _caption(square, name, key)
 
     report(0.5, "the triangle")
     motion = analysis.motions[0] if len(analysis.motions) == 1 else None
-    triangle, ax = _page(_PIXELS, _PIXELS // 2, left=130, right=45, bottom=390 if motion is not None else 165, top=85)
+    triangle, ax = _page(_PIXELS, _PIXELS // 2, left=130, right=45, bottom=345 if motion is not None else 150, top=85)
     similarity_triangle(pooled, motion, palette=palette, ax=ax)
     _borders(ax, borders, len(poses) / poses.fps, triangle=True)
     _caption(triangle, name, key + ("; figures: a pose and, paler, the pose 1/6 s later" if motion is not None else ""))

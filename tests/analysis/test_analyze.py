@@ -1,0 +1,142 @@
+"""One object from any motion, with the keys of `analysis.json`."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+import bodies
+import kinesics as kx
+from kinesics.analysis import Analysis
+from kinesics.errors import Cancelled, InputError
+from kinesics.similarity import default_beta, symmetry_residual
+
+KEYS = ["schema_version", "kinesics_version", "parameters", "beta", "sources", "overall", "phrases", "motifs", "state_repetitions", "stillness", "symmetric_states", "reversals", "strikes", "cycles", "gaps", "graph"]
+
+
+def test_all_keys_are_there_and_the_grammar_s_are_empty() -> None:
+    """A missing thing is null or [], never absent."""
+    facts = kx.analyze(bodies.legs_striding()).to_dict()
+    assert set(KEYS) <= set(facts)
+    assert facts["overall"] == {
+        "class": None,
+        "group": None,
+        "period_s": None,
+        "confidence": None,
+        "runner_up": None,
+        "residuals": {"period": None, "mirror": None, "glide": None, "reverse": None, "mirror_reverse": None},
+    }
+    assert [facts[k] for k in ("phrases", "motifs", "state_repetitions", "reversals", "strikes", "cycles")] == [[]] * 6
+    assert facts["graph"]["states"] == facts["graph"]["paths"] == []
+    assert facts["graph"]["notation"] == ""
+
+
+def test_facts_survive_json() -> None:
+    """To plain JSON and back the facts are equal, floats to the last bit."""
+    analysis = kx.analyze(bodies.legs_striding(file_name="a.bvh", sha256="0" * 64))
+    text = json.dumps(analysis.to_dict(), allow_nan=False)
+    assert Analysis.from_dict(json.loads(text)) == analysis
+
+
+def test_sources_tell_the_file_and_not_the_folder() -> None:
+    """Name without folders, format, frame rate, what was assumed."""
+    motion = bodies.arms_swinging(120, file_name="/home/ann/secret/clip.bvh").replace(assumptions=("unit: metre",))
+    (source,) = kx.analyze(motion).sources
+    assert (source.name, source.format, source.fps, source.frames, source.duration_s) == (
+        "clip.bvh",
+        "bvh",
+        60,
+        120,
+        2.0,
+    )
+    assert "unit: metre" in source.assumptions
+    assert "ann" not in json.dumps(kx.analyze(motion).to_dict())
+
+
+def test_curves_are_those_of_the_metric() -> None:
+    """Speed √(2D)/Δt and D*(a, a), one value a frame; the summary is theirs."""
+    analysis = kx.analyze(bodies.legs_striding(100))
+    (poses,), (speed,), (reflected,) = analysis.poses, analysis.speed_curves, analysis.mirror_distance_curves
+    np.testing.assert_allclose(reflected, symmetry_residual(poses))
+    assert analysis.speed.max == speed.max()
+    assert analysis.speed.max_frame is not None
+    assert speed[analysis.speed.max_frame] == speed.max()
+    assert analysis.speed.mean == pytest.approx(speed[1:].mean())
+    assert analysis.speed.median == pytest.approx(np.median(speed[1:]), rel=0.05)
+
+
+def test_beta_is_given_or_of_the_rule_and_moves_no_fact() -> None:
+    """β and how it was chosen are stored; stillness and symmetry are the same under any β."""
+    motion = bodies.legs_striding()
+    own, given = kx.analyze(motion), kx.analyze(motion, beta=3.0)
+    assert own.beta == default_beta(own.poses[0])
+    assert given.beta == 3.0
+    assert given.parameters["beta_rule"] != own.parameters["beta_rule"]
+    assert (given.stillness, given.symmetric_states, given.speed) == (own.stillness, own.symmetric_states, own.speed)
+
+
+def test_several_recordings_are_sources_of_one_analysis() -> None:
+    """Frames are counted within their source; rates may differ; one β serves all."""
+    a = bodies.arms_swinging(120, fps=60.0, file_name="a.bvh")
+    b = bodies.legs_striding(90, fps=30.0, file_name="b.bvh")
+    analysis = kx.analyze([a, b])
+    assert [s.name for s in analysis.sources] == ["a.bvh", "b.bvh"]
+    assert [len(c) for c in analysis.speed_curves] == [120, 90]
+    assert {r.source for r in analysis.symmetric_states} == {0}
+    assert analysis.speed.max_source == 1
+
+
+def test_one_frame_has_no_speed() -> None:
+    """Nothing is divided by nothing: all None."""
+    analysis = kx.analyze(bodies.arms_swinging(1))
+    assert analysis.speed.mean is analysis.speed.max is None
+    assert analysis.stillness == ()
+
+
+def test_warnings_of_all_sources_are_gathered() -> None:
+    """Once each."""
+    a = bodies.arms_swinging(20).replace(warnings=("the left hand jumps",))
+    b = bodies.arms_swinging(20).replace(warnings=("the left hand jumps", "the feet float"))
+    assert kx.analyze([a, b]).warnings == ("the left hand jumps", "the feet float")
+
+
+def test_bad_arguments_are_refused() -> None:
+    """Before the work begins, with what came."""
+    motion = bodies.arms_swinging(10)
+    with pytest.raises(InputError, match="none"):
+        kx.analyze([])
+    with pytest.raises(InputError, match="kinesics.read"):
+        kx.analyze(["walk.bvh"])  # type: ignore[list-item]
+    for beta in (0.0, -1.0, float("nan"), float("inf")):
+        with pytest.raises(InputError, match="β"):
+            kx.analyze(motion, beta=beta)
+    with pytest.raises(InputError, match="weights"):
+        kx.analyze(motion, weights=[1.0, 2.0])
+
+
+def test_facts_of_another_version_are_refused() -> None:
+    """With what to do about it; and a missing key is named."""
+    facts = kx.analyze(bodies.arms_swinging(10)).to_dict()
+    with pytest.raises(InputError, match="analyse the recording again"):
+        Analysis.from_dict({**facts, "schema_version": 99})
+    del facts["graph"]["notation"]
+    with pytest.raises(InputError, match="'notation' in graph"):
+        Analysis.from_dict(facts)
+    with pytest.raises(InputError, match="beta"):
+        Analysis.from_dict({**kx.analyze(bodies.arms_swinging(10)).to_dict(), "beta": "big"})
+
+
+def test_work_can_be_stopped_and_reports_how_far_it_is() -> None:
+    """Fractions never fall; an exception raised by the callback goes through."""
+    seen: list[float] = []
+    kx.analyze(bodies.arms_swinging(30), progress=lambda f, message="": seen.append(f))
+    assert seen == sorted(seen)
+    assert seen[-1] == 1.0
+
+    def stop(fraction: float, message: str = "") -> None:
+        raise Cancelled
+
+    with pytest.raises(Cancelled):
+        kx.analyze(bodies.arms_swinging(30), progress=stop)

@@ -1,0 +1,247 @@
+"""The plots: what is drawn where, on whose axes, and the same bytes every time."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.image import AxesImage
+
+import bodies
+import kinesics as kx
+from kinesics import plotting
+from kinesics.errors import InputError
+from kinesics.plotting.canvas import figure_bytes
+
+
+def _image(ax: Axes) -> np.ndarray:
+    (image,) = (child for child in ax.get_children() if isinstance(child, AxesImage))
+    values = image.get_array()
+    assert values is not None
+    return np.asarray(values)
+
+
+def _checkered() -> tuple[np.ndarray, np.ndarray]:
+    """Z on the diagonal blocks, Z* off them, both in the last frame with itself."""
+    z, z_mirror = np.zeros((4, 4)), np.zeros((4, 4))
+    z[:2, :2] = z[2:, 2:] = 1.0
+    z_mirror[:2, 2:] = z_mirror[2:, :2] = 1.0
+    z_mirror[3, 3] = 1.0
+    return z, z_mirror
+
+
+def test_the_square_shows_time_running_right_and_up() -> None:
+    """Column is i, row is j counted from below; red, cyan and white stand where Z, Z* and both are."""
+    ax = plotting.similarity_plot(_checkered())
+    image = _image(ax)
+    assert tuple(image[0, 0]) == (255, 0, 0)
+    assert tuple(image[0, 3]) == (0, 255, 255)
+    assert tuple(image[3, 3]) == (255, 255, 255)
+    (child,) = ax.images
+    assert child.origin == "lower"
+    assert ax.get_xlim() == (0.0, 4.0)
+
+
+@pytest.mark.parametrize(("kind", "colour"), [("z", (255, 0, 0)), ("z_mirror", (0, 0, 0)), ("both", (255, 0, 0))])
+def test_one_matrix_can_be_shown_alone(kind: str, colour: tuple[int, int, int]) -> None:
+    """Only the layer asked for is lit."""
+    assert tuple(_image(plotting.similarity_plot(_checkered(), kind=kind))[0, 0]) == colour  # type: ignore[arg-type]
+
+
+def test_the_triangle_lays_the_identity_axis_along_time() -> None:
+    """The lowest row is the diagonal, the tip compares the last frame with the first, the corners above are paper."""
+    image = _image(plotting.similarity_triangle(_checkered()))
+    assert (image[0, : len(image[0]) // 3] == (255, 0, 0)).all()
+    assert tuple(image[-1, image.shape[1] // 2]) == (0, 255, 255)
+    assert (image[-1, 0] == 255).all()
+    assert (image[-1, -1] == 255).all()
+
+
+def test_axes_are_in_seconds_where_the_rate_is_known() -> None:
+    """Else they count frames and say so; β is in the title."""
+    sim = kx.similarity(kx.poses(bodies.arms_swinging(120, fps=60.0)))
+    for ax in (plotting.similarity_plot(sim), plotting.similarity_triangle(sim)):
+        assert ax.get_xlim() == (0.0, 2.0)
+        assert "(s)" in ax.get_xlabel()
+        assert f"β = {sim.beta:.3g}" in ax.get_title()
+    assert "frames" in plotting.similarity_plot((sim.z, sim.z_mirror)).get_xlabel()
+
+
+def test_a_symmetric_movement_has_no_colour_and_a_one_sided_one_has() -> None:
+    """Both arms alike: Z = Z*, grey throughout (§3.5.1). The left arm alone: a red identity axis (§3.4.4)."""
+    both = _image(plotting.similarity_plot(kx.similarity(kx.poses(bodies.arms_swinging()))))
+    # Z* is computed from mirrored poses: float32 rounding may move a grey by one step
+    assert np.abs(both[..., 0].astype(int) - both[..., 1].astype(int)).max() <= 1
+    one = kx.similarity(kx.poses(bodies.arms_swinging(mirrored=False)))
+    image = _image(plotting.similarity_plot(one))
+    on_axis = image[np.arange(len(image)), np.arange(len(image))]
+    assert (on_axis[:, 0] == 255).all()
+    assert on_axis[:, 1].min() < 128
+
+
+@pytest.mark.parametrize("frames", [1, 2, 3])
+def test_very_short_recordings_can_be_drawn(frames: int) -> None:
+    """One frame, two frames: every picture is there."""
+    motion = bodies.arms_swinging(frames)
+    poses = kx.poses(motion)
+    sim = kx.similarity(poses)
+    drawn = [
+        plotting.similarity_plot(sim),
+        plotting.similarity_triangle(sim, motion),
+        plotting.stick_figure(motion, 0),
+        plotting.stick_figure_row(motion, [0]),
+        plotting.speed_plot(np.zeros(frames), motion.fps),
+        plotting.symmetry_plot(np.zeros(frames), motion.fps),
+        plotting.composite_plot(poses),
+        *plotting.subspace_plot(poses),
+    ]
+    for ax in drawn:
+        assert isinstance(ax, Axes)
+        assert figure_bytes(ax.figure, ".png").startswith(b"\x89PNG")  # type: ignore[arg-type]
+
+
+def test_given_axes_are_used_and_pyplot_hears_nothing() -> None:
+    """Functions draw on the axes they are given; no figure of pyplot's is made or left open."""
+    import matplotlib.pyplot as plt
+
+    before = plt.get_fignums()
+    motion = bodies.legs_striding(60)
+    poses = kx.poses(motion)
+    sim = kx.similarity(poses)
+    draw: list[Callable[[Axes], Axes]] = [
+        lambda ax: plotting.similarity_plot(sim, ax=ax),
+        lambda ax: plotting.similarity_triangle(sim, motion, ax=ax),
+        lambda ax: plotting.stick_figure(motion, 3, ax=ax),
+        lambda ax: plotting.stick_figure_row(motion, [3, 9], overlap_frames=4, trail=3, ax=ax),
+        lambda ax: plotting.speed_plot(np.ones(60), 60.0, stillness=[(3, 9)], ax=ax),
+        lambda ax: plotting.symmetry_plot(np.ones(60), 60.0, threshold=0.5, symmetric=[(3, 9)], ax=ax),
+        lambda ax: plotting.composite_plot(poses, symmetric=[(3, 9)], ax=ax),
+    ]
+    for one in draw:
+        ax = plotting.new_figure(4, 4).add_subplot()
+        assert one(ax) is ax
+    assert plt.get_fignums() == before
+
+
+def test_a_long_recording_is_pooled_to_the_pixels_of_the_axes() -> None:
+    """The image drawn is as large as the axes, so that nothing later can drop a row."""
+    ax = plotting.new_figure(2, 2, dpi=100).add_axes((0.0, 0.0, 1.0, 1.0))
+    z = np.zeros((1000, 1000))
+    z[137, 641] = z[641, 137] = 1.0
+    image = _image(plotting.similarity_plot((z, np.zeros_like(z)), ax=ax))
+    assert image.shape[:2] == (200, 200)
+    assert (image[..., 0] == 255).sum() == 2
+
+
+def test_long_curves_keep_their_peaks() -> None:
+    """One fast frame among 100,000 is drawn at its full height."""
+    speed = np.full(100_000, 0.1)
+    speed[77_777] = 9.0
+    ax = plotting.speed_plot(speed, 120.0)
+    top = max(path.get_extents().y1 for c in ax.collections for path in c.get_paths())
+    assert top == pytest.approx(9.0)
+
+
+@pytest.mark.parametrize("suffix", [".png", ".svg"])
+def test_files_are_the_same_bytes_on_every_run(suffix: str) -> None:
+    """No date, no version, no random ids."""
+    motion = bodies.legs_striding(50)
+
+    def make() -> bytes:
+        ax = plotting.similarity_triangle(kx.similarity(kx.poses(motion)), motion)
+        return figure_bytes(ax.figure, suffix)  # type: ignore[arg-type]
+
+    first = make()
+    assert first == make()
+    assert b"matplotlib" not in first.lower().replace(b"matplotlib.org", b"") or suffix == ".svg"
+
+
+def test_saving_chooses_by_suffix_and_leaves_no_part_behind(tmp_path: Path) -> None:
+    """PNG and SVG; another suffix is refused, and nothing is left."""
+    figure = plotting.speed_plot(np.ones(4), 4.0).figure
+    plotting.save_figure(figure, tmp_path / "a.PNG")  # type: ignore[arg-type]
+    plotting.save_figure(figure, tmp_path / "a.svg")  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="svg"):
+        plotting.save_figure(figure, tmp_path / "a.bmp")  # type: ignore[arg-type]
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.PNG", "a.svg"]
+    assert (tmp_path / "a.PNG").read_bytes()[1:4] == b"PNG"
+
+
+def test_the_mirrored_path_is_reflected_in_the_symmetry_axis() -> None:
+    """W negates Â and keeps Ŝ (§2.11); a symmetric movement stays on the axis."""
+    poses = kx.poses(bodies.legs_striding(90))
+    place, image = plotting.symmetry_coordinates(poses), plotting.symmetry_coordinates(poses.mirror())
+    np.testing.assert_allclose(np.abs(image.antisymmetric), np.abs(place.antisymmetric), atol=1e-9)
+    np.testing.assert_allclose(image.symmetric, place.symmetric, atol=1e-9)
+    still = plotting.symmetry_coordinates(kx.poses(bodies.arms_swinging(90)))
+    np.testing.assert_allclose(still.antisymmetric, 0.0, atol=1e-9)
+    assert np.ptp(still.symmetric[:, 0]) > 0.1
+
+
+def test_coordinates_do_not_depend_on_the_signs_of_quaternions(rng: np.random.Generator) -> None:
+    """q and −q are one rotation: the path is drawn in the same place."""
+    import dataclasses
+
+    poses = kx.poses(bodies.legs_striding(90))
+    signs = rng.choice([-1.0, 1.0], size=(len(poses), 15, 1))
+    flipped = dataclasses.replace(poses, quaternions=poses.quaternions * signs)
+    a, b = plotting.symmetry_coordinates(poses), plotting.symmetry_coordinates(flipped)
+    np.testing.assert_allclose(a.symmetric, b.symmetric, atol=1e-9)
+    np.testing.assert_allclose(a.antisymmetric, b.antisymmetric, atol=1e-9)
+
+
+def test_a_figure_faces_one_way_whatever_its_heading() -> None:
+    """Turned about gravity and carried elsewhere, the same body gives the same drawing (§2.8)."""
+    from kinesics.geometry import quaternion
+    from kinesics.plotting.stick_figures import compute_strokes
+
+    motion = bodies.legs_striding(20)
+    turn = quaternion.from_axis_angle([0.0, 1.0, 0.0], np.array(1.1))
+    rotations = np.array(motion.rotations)
+    rotations[:, 0] = quaternion.multiply(turn, rotations[:, 0])
+    turned = motion.replace(
+        rotations=rotations, root_positions=quaternion.rotate(turn, motion.root_positions) + np.array([5.0, 0.0, -2.0])
+    )
+    here, there = compute_strokes(motion, [7]), compute_strokes(turned, [7])
+    np.testing.assert_allclose(here.segments, there.segments, atol=1e-9)
+    assert here.sides.count("left") == here.sides.count("right") > 0
+
+
+def test_left_is_on_the_right_of_the_paper_from_the_front() -> None:
+    """Seen from the front the subject's left hand is on the viewer's right."""
+    from kinesics.plotting.stick_figures import compute_strokes
+
+    strokes = compute_strokes(bodies.arms_swinging(3), [0], view="front")
+    left = [s for s, side in zip(strokes.segments[0], strokes.sides, strict=True) if side == "left"]
+    assert max(s[:, 0].max() for s in left) > 0.5
+
+
+def test_what_cannot_be_drawn_is_refused() -> None:
+    """With the names that are known and the numbers that came."""
+    motion = bodies.arms_swinging(10)
+    sim = kx.similarity(kx.poses(motion))
+    with pytest.raises(InputError, match="z_mirror"):
+        plotting.similarity_plot(sim, kind="anti")  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="str"):
+        plotting.similarity_plot("walk.bvh")  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="one shape"):
+        plotting.similarity_plot((np.eye(3), np.eye(4)))
+    with pytest.raises(InputError, match="10 frames"):
+        plotting.similarity_triangle((np.eye(3), np.eye(3)), motion)
+    with pytest.raises(InputError, match="three-quarter"):
+        plotting.stick_figure(motion, 0, view="top")  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="No frame 10"):
+        plotting.stick_figure(motion, 10)
+    with pytest.raises(InputError, match=r"\[0, 10\)"):
+        plotting.stick_figure_row(motion, [3, 12])
+
+
+def test_importing_the_room_does_not_load_matplotlib() -> None:
+    """matplotlib costs half a second; it is loaded on the first plot."""
+    code = "import sys, kinesics.plotting, kinesics.analysis, kinesics.report; sys.exit('matplotlib' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -1,0 +1,402 @@
+"""The folder and the page: complete, safe, the same every time, and back again."""
+
+from __future__ import annotations
+
+import html.parser
+import json
+import os
+import re
+import xml.etree.ElementTree as ET
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import numpy as np
+import pytest
+
+import bodies
+import kinesics as kx
+from kinesics import report
+from kinesics.analysis import facts
+from kinesics.errors import Cancelled, InputError
+from kinesics.report import folder as folder_module
+from kinesics.report.graph_files import graphml
+
+PROMISED = (
+    ["analysis.json", "report.html", "zz.png", "zz-triangle.png", "graph.svg", "graph.graphml", "phrases.csv", "motifs.csv", "cycles.csv"]
+)
+
+
+def _walk(**names: str) -> kx.Analysis:
+    return kx.analyze(bodies.legs_striding(90, **names))
+
+
+def _check(values: dict[str, Any]) -> None:
+    jsonschema.Draft202012Validator(report.schema()).validate(values)
+
+
+def _bytes(folder: Path) -> dict[str, bytes]:
+    return {p.name: p.read_bytes() for p in folder.iterdir()}
+
+
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory: pytest.TempPathFactory) -> tuple[kx.Analysis, Path]:
+    """An analysis and the folder it was saved in."""
+    analysis = _walk(file_name="walk.bvh", sha256="ab" * 32)
+    target = tmp_path_factory.mktemp("saved") / "deep" / "walk-kinesics"
+    kx.save(analysis, target)
+    return analysis, target
+
+
+def test_every_promised_file_is_there(saved: tuple[kx.Analysis, Path]) -> None:
+    """Those of the contract, and no stage is left beside the folder."""
+    _, target = saved
+    assert set(PROMISED) <= set(os.listdir(target))
+    assert set(os.listdir(target)) == set(report.FILES)
+    assert os.listdir(target.parent) == [target.name]
+
+
+def test_facts_satisfy_the_schema(saved: tuple[kx.Analysis, Path]) -> None:
+    """What lies in the folder is valid, and the schema itself is."""
+    jsonschema.Draft202012Validator.check_schema(report.schema())
+    _check(json.loads((saved[1] / "analysis.json").read_text(encoding="utf-8")))
+
+
+def test_the_schema_refuses_what_is_missing_or_wrong(saved: tuple[kx.Analysis, Path]) -> None:
+    """Each top key is required; a folder in a name, a class that does not exist and a negative frame are no facts."""
+    good = saved[0].to_dict()
+    for key in good:
+        with pytest.raises(jsonschema.ValidationError):
+            _check({k: v for k, v in good.items() if k != key})
+    for change in (
+        {"sources": [{**good["sources"][0], "name": "/home/ann/walk.bvh"}]},
+        {"overall": {**good["overall"], "class": "walking"}},
+        {"stillness": [{"source": 0, "start": -1, "end": 3}]},
+        {"beta": 0},
+    ):
+        with pytest.raises(jsonschema.ValidationError):
+            _check({**good, **change})
+
+
+def _full() -> facts.Facts:
+    """Every kind of fact once, as the grammar will fill them."""
+    residuals = facts.Residuals(0.02, 1.1, 0.09, 0.2, 0.2)
+    judged: dict[str, Any] = {
+        "class_": "cyclic-antiphase",
+        "group": "p11g",
+        "period_s": 1.1,
+        "confidence": 0.9,
+        "runner_up": "cyclic-asymmetric",
+        "residuals": residuals,
+    }
+    return facts.Facts(
+        schema_version=1,
+        kinesics_version="0",
+        parameters={},
+        beta=20.0,
+        sources=(facts.Source("a.bvh", "", "bvh", "left-right", 30.0, 90, 3.0, 17),),
+        overall=facts.Overall(**judged),
+        phrases=(facts.Phrase(0, 0, 90, 0.0, 3.0, **judged, speed_mean=0.4, smoothness=-2.0),),
+        motifs=(facts.Motif(0, "mirror", 0.9, (facts.MotifMember(0, 0, 9, False, True, ((0, 0), (1, 2))),)),),
+        state_repetitions=(facts.StateRepetition(0, (3, 40), True),),
+        stillness=(facts.Range(0, 1, 2),),
+        symmetric_states=(facts.Range(0, 1, 2),),
+        reversals=(facts.Reversal(0, 5),),
+        strikes=(facts.Strike(0, 5, 0.2, 4.0),),
+        cycles=(facts.Cycle(0, 0, 33, 1.1, 0.5, 0.1),),
+        gaps=(facts.Gap(0, 4, 6, "markers lost"),),
+        speed=facts.Speed(0.1, 0.1, 0.2, 0, 3, 0.1),
+        graph=facts.Graph(
+            (facts.State(0, "A", False, 1, (facts.Range(0, 0, 3),)), facts.State(1, "A*", False, 0)),
+            (facts.Path(0, "aa*_1", 0, 1, 1, False, None, False, (facts.Occurrence(0, 3, 90, False),)),),
+            "A aa*_1 A*",
+            facts.Information(facts.Estimate(1.0, 0.1), facts.Estimate(0.9, 0.1), facts.Estimate(0.5, 0.2)),
+        ),
+        warnings=("none",),
+    )
+
+
+def test_a_full_analysis_satisfies_the_schema_and_comes_back() -> None:
+    """The schema knows every field of every fact, and decoding them gives them back."""
+    from kinesics.analysis.serial import decode, encode
+
+    full = _full()
+    values = encode(full)
+    _check(values)
+    assert decode(facts.Facts, json.loads(json.dumps(values))) == full
+    names = {f.name.rstrip("_") for f in fields(facts.Facts)}
+    assert names == set(report.schema()["required"]) == set(report.schema()["properties"])
+
+
+def test_load_gives_back_what_was_saved(saved: tuple[kx.Analysis, Path]) -> None:
+    """Equal facts, and the curves to the last bit."""
+    analysis, target = saved
+    back = kx.load(target)
+    assert back == analysis
+    for a, b in zip(analysis.speed_curves, back.speed_curves, strict=True):
+        np.testing.assert_array_equal(a, b)
+    for a, b in zip(analysis.mirror_distance_curves, back.mirror_distance_curves, strict=True):
+        np.testing.assert_array_equal(a, b)
+
+
+def test_an_analysis_without_its_recording_cannot_be_drawn(saved: tuple[kx.Analysis, Path], tmp_path: Path) -> None:
+    """What was read back has no poses: saving it says so and writes nothing."""
+    with pytest.raises(InputError, match="analyse the recording again"):
+        kx.save(kx.load(saved[1]), tmp_path / "again")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_same_bytes_on_every_run(saved: tuple[kx.Analysis, Path], tmp_path: Path) -> None:
+    """No file knows when, where or by whom it was made."""
+    kx.save(_walk(file_name="walk.bvh", sha256="ab" * 32), tmp_path / "elsewhere")
+    assert _bytes(tmp_path / "elsewhere") == _bytes(saved[1])
+    for name, contents in _bytes(tmp_path / "elsewhere").items():
+        assert str(tmp_path).encode() not in contents, name
+
+
+class _Reader(html.parser.HTMLParser):
+    """Tags, attributes and text of a page."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.attributes: list[tuple[str, str, str]] = []
+        self.text = ""
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.attributes.extend((tag, k, v or "") for k, v in attrs)
+        if tag not in {"meta", "img", "br"}:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.attributes.extend((tag, k, v or "") for k, v in attrs)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.text += data
+
+
+def _page(target: Path) -> _Reader:
+    reader = _Reader()
+    reader.feed((target / "report.html").read_text(encoding="utf-8"))
+    reader.close()
+    assert reader.open == []
+    return reader
+
+
+def test_the_page_is_complete_in_itself(saved: tuple[kx.Analysis, Path]) -> None:
+    """Nothing is fetched: pictures are data, there is no script, no link, and a policy that forbids the rest."""
+    page = _page(saved[1])
+    sources = [v for _, k, v in page.attributes if k in {"src", "href", "xlink:href", "action", "data"}]
+    assert len([s for s in sources if s.startswith("data:image/png;base64,")]) == 2
+    assert all(s.startswith(("data:image/png;base64,", "#")) for s in sources)
+    assert "script" not in {tag for tag, _, _ in page.attributes}
+    assert any("default-src 'none'" in v for _, _, v in page.attributes)
+    assert "walk.bvh" in page.text
+    assert "β" in page.text
+
+
+def test_ids_of_the_drawings_do_not_collide(saved: tuple[kx.Analysis, Path]) -> None:
+    """Each drawing's ids are its own, and every reference meets one."""
+    text = (saved[1] / "report.html").read_text(encoding="utf-8")
+    ids = re.findall(r'\bid="([^"]+)"', text)
+    assert len(ids) == len(set(ids))
+    references = set(re.findall(r'href="#([^"]+)"|url\(#([^)]+)\)', text))
+    assert references
+    assert {a or b for a, b in references} <= set(ids)
+
+
+HOSTILE = '<script>alert("x")</script>&"\'$x_1$.bvh'
+
+
+def test_hostile_names_are_text_and_nothing_else(tmp_path: Path) -> None:
+    """A file may be called anything: markup in its name, its assumptions and its warnings is shown, not obeyed."""
+    motion = bodies.arms_swinging(20, file_name=HOSTILE).replace(
+        assumptions=("<img src=x onerror=alert(1)>",), warnings=("</title><b>bold</b>",)
+    )
+    analysis = kx.analyze(motion)
+    kx.save(analysis, tmp_path / "out")
+    page = _page(tmp_path / "out")
+    tags = {tag for tag, _, _ in page.attributes}
+    assert not tags & {"script", "b"}
+    assert not any(k.startswith("on") for _, k, _ in page.attributes)
+    shown = HOSTILE.rsplit("/", 1)[-1]
+    assert shown in page.text
+    assert "</title><b>bold</b>" in page.text
+    _check(json.loads((tmp_path / "out" / "analysis.json").read_text(encoding="utf-8")))
+
+
+@pytest.mark.parametrize("frames", [1, 2])
+def test_very_short_recordings_are_reported(frames: int, tmp_path: Path) -> None:
+    """One frame makes a whole folder too."""
+    analysis = kx.analyze(bodies.arms_swinging(frames))
+    kx.save(analysis, tmp_path / "out")
+    assert kx.load(tmp_path / "out") == analysis
+    _check(analysis.to_dict())
+
+
+def test_several_sources_share_one_folder(tmp_path: Path) -> None:
+    """Of different frame rates: one pair of matrices, a pair of curves for each."""
+    a, b = bodies.arms_swinging(60, fps=60.0, file_name="a.bvh"), bodies.legs_striding(50, fps=25.0, file_name="b.bvh")
+    analysis = kx.analyze([a, b])
+    kx.save(analysis, tmp_path / "out")
+    assert kx.load(tmp_path / "out") == analysis
+    assert _page(tmp_path / "out").text.count("a.bvh") >= 2
+
+
+def test_tables_have_headers(saved: tuple[kx.Analysis, Path]) -> None:
+    """Also where there is nothing to list."""
+    for name in ("phrases.csv", "motifs.csv", "cycles.csv", "frames.csv"):
+        header = (saved[1] / name).read_text(encoding="utf-8").splitlines()[0].split(",")
+        assert {"start", "frame"} & set(header)
+    full = kx.Analysis(**{f.name: getattr(_full(), f.name) for f in fields(facts.Facts)})
+    assert len(report.tables.phrases(full).splitlines()) == 2
+    assert report.tables.motifs(full).splitlines()[1] == "0,mirror,0.9,0,0,9,0,1"
+    assert report.tables.cycles(full).splitlines()[1] == "0,0,33,1.1,0.5,0.1"
+
+
+def test_graphs_are_well_formed(saved: tuple[kx.Analysis, Path]) -> None:
+    """GraphML that networkx reads back, empty or full; SVG that is XML."""
+    import io
+
+    import networkx as nx
+
+    assert len(nx.read_graphml(saved[1] / "graph.graphml")) == 0
+    full = nx.read_graphml(io.BytesIO(graphml(_full().graph).encode()), force_multigraph=True)
+    assert [d["label"] for _, d in full.nodes(data=True)] == ["A", "A*"]
+    assert [d["label"] for *_, d in full.edges(data=True)] == ["aa*_1"]
+    assert ET.parse(saved[1] / "graph.svg").getroot().tag.endswith("svg")
+
+
+def test_the_same_recording_is_replaced_and_other_files_stay(tmp_path: Path) -> None:
+    """An analysis of the same file gives way; the user's notes beside it do not."""
+    target = tmp_path / "out"
+    kx.save(_walk(file_name="walk.bvh"), target)
+    (target / "notes.txt").write_text("mine")
+    (target / "zz.png").write_bytes(b"old")
+    kx.save(_walk(file_name="walk.bvh"), target)
+    assert (target / "notes.txt").read_text() == "mine"
+    assert (target / "zz.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("held", ["another file", "the same name, other bytes", "no analysis", "a broken one"])
+def test_other_contents_are_not_replaced_unless_asked(held: str, tmp_path: Path) -> None:
+    """Exit code 2 territory: the message names --overwrite, nothing is touched; with it the folder is taken."""
+    target = tmp_path / "out"
+    if held == "another file":
+        kx.save(_walk(file_name="run.bvh"), target)
+    elif held == "the same name, other bytes":
+        kx.save(_walk(file_name="walk.bvh", sha256="cd" * 32), target)
+    else:
+        target.mkdir()
+        (target / ("thesis.tex" if held == "no analysis" else "analysis.json")).write_text("{")
+    before = _bytes(target)
+    analysis = _walk(file_name="walk.bvh", sha256="ab" * 32)
+    with pytest.raises(InputError, match="--overwrite"):
+        kx.save(analysis, target)
+    assert _bytes(target) == before
+    kx.save(analysis, target, overwrite=True)
+    assert kx.load(target) == analysis
+
+
+def test_an_empty_folder_is_filled_and_a_file_is_refused(tmp_path: Path) -> None:
+    """The folder of `mkdir out` is welcome; a file in its place is not."""
+    (tmp_path / "out").mkdir()
+    kx.save(_walk(), tmp_path / "out")
+    assert (tmp_path / "out" / "analysis.json").exists()
+    (tmp_path / "file").write_text("x")
+    with pytest.raises(InputError, match="is a file"):
+        kx.save(_walk(), tmp_path / "file")
+
+
+@pytest.mark.parametrize("stop", [KeyboardInterrupt, Cancelled, MemoryError])
+def test_stopping_leaves_what_was_there(stop: type[BaseException], tmp_path: Path) -> None:
+    """At whatever moment the work is stopped, the old folder is whole and nothing new lies about."""
+    analysis = _walk(file_name="walk.bvh")
+    target = tmp_path / "out"
+    calls: list[float] = []
+    kx.save(analysis, target, progress=lambda f, message="": calls.append(f))
+    assert calls == sorted(calls)
+    before = _bytes(target)
+    for limit in range(len(calls) - 1):
+        left = limit
+
+        def interrupt(fraction: float, message: str = "") -> None:
+            nonlocal left
+            left -= 1
+            if left < 0:
+                raise stop
+
+        with pytest.raises(stop):
+            kx.save(analysis, target, progress=interrupt)
+        assert _bytes(target) == before
+        assert os.listdir(tmp_path) == ["out"]
+
+
+def test_ctrl_c_between_two_renames_finishes_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Old and new files never stand side by side: the last step is finished, then the interrupt goes on."""
+    target = tmp_path / "out"
+    kx.save(_walk(file_name="walk.bvh"), target)
+    changed = kx.analyze(bodies.legs_striding(70, file_name="walk.bvh"))
+    replace, count = Path.replace, 0
+
+    def interrupted(self: Path, to: Path) -> Path:
+        nonlocal count
+        count += 1
+        if count == 3:
+            raise KeyboardInterrupt
+        return replace(self, to)
+
+    monkeypatch.setattr(folder_module.Path, "replace", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        kx.save(changed, target)
+    monkeypatch.undo()
+    assert kx.load(target) == changed
+    assert os.listdir(tmp_path) == ["out"]
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="the superuser may write everywhere")
+def test_a_folder_that_cannot_be_written_is_one_sentence(tmp_path: Path) -> None:
+    """No traceback for a read-only place."""
+    tmp_path.chmod(0o500)
+    try:
+        with pytest.raises(InputError, match="cannot be written"):
+            kx.save(_walk(), tmp_path / "out")
+    finally:
+        tmp_path.chmod(0o700)
+
+
+@pytest.mark.parametrize(
+    ("contents", "message"),
+    [
+        (None, "not there"),
+        (b"{", "not JSON"),
+        (b"[]", "JSON object"),
+        (b"\xff\xfe", "UTF-8"),
+        (b"{}", "schema_version"),
+    ],
+)
+def test_a_folder_that_holds_no_analysis_is_one_sentence(contents: bytes | None, message: str, tmp_path: Path) -> None:
+    """What is wrong with the file, and which file it is."""
+    if contents is not None:
+        (tmp_path / "analysis.json").write_bytes(contents)
+    with pytest.raises(InputError, match=message):
+        kx.load(tmp_path)
+
+
+def test_a_damaged_table_of_curves_is_one_sentence(saved: tuple[kx.Analysis, Path], tmp_path: Path) -> None:
+    """Without the table the facts are read all the same."""
+    facts_text = (saved[1] / "analysis.json").read_bytes()
+    (tmp_path / "analysis.json").write_bytes(facts_text)
+    assert kx.load(tmp_path) == saved[0]
+    for text in (
+        "frame\n1\n",
+        "source,frame,time_s,speed,mirror_distance\n0,0,0,x,0\n",
+        "source,frame,time_s,speed,mirror_distance\n0\n",
+    ):
+        (tmp_path / "frames.csv").write_text(text)
+        with pytest.raises(InputError, match="frames.csv"):
+            kx.load(tmp_path)
