@@ -19,9 +19,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from kinesics.body import kinematics
+from kinesics.body import anatomy, kinematics
 from kinesics.body.motion import Motion, Source
-from kinesics.errors import FileError, InputError
+from kinesics.errors import FileError, InputError, SkeletonError
 from kinesics.formats.registry import (
     HEAD_BYTES,
     Format,
@@ -100,9 +100,11 @@ def read(
     source = Source(format=chosen.name, file_name=path.name, sha256=hashlib.sha256(raw).hexdigest())
     motion = _to_metres_and_y_up(recording, source, options, path)
     if mapping:
-        from kinesics.body import anatomy
-
-        motion = anatomy.understood(motion, _as_mapping(mapping))
+        return anatomy.understood(motion, _as_mapping(mapping))
+    # found once on the whole recording, the body's frames are the same for every slice of it; a skeleton that is no human
+    # body is still a recording, and `kinesics.poses` will say what is missing
+    with contextlib.suppress(SkeletonError):
+        motion = anatomy.understood(motion)
     return motion
 
 
