@@ -103,7 +103,8 @@ If it is the compilation: make NATIVE=0 $(or $(MAKECMDGOALS),demo)  installs wit
 endef
 export NO_PYTHON NO_VENV NO_COMPILER NOT_INSTALLED
 
-$(VENV)/.made:
+# What the machine lacks is said before anything is downloaded.
+$(VENV)/.made: | compiler
 	@[ -n '$(PYTHON)' ] && '$(PYTHON)' -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || { printf '%s\n' "$$NO_PYTHON" >&2; exit 1; }
 	@'$(PYTHON)' -c 'import ensurepip, venv' 2>/dev/null || { printf '%s\n' "$$NO_VENV" >&2; exit 1; }
 	@echo 'Setting up $(VENV) (once; a few minutes) …' >&2
@@ -115,11 +116,10 @@ $(VENV)/.made:
 .PHONY: compiler
 compiler:
 ifneq ($(NATIVE),0)
-	@for c in "$${CXX:-c++}" g++ clang++; do command -v "$${c%% *}" >/dev/null 2>&1 && exit 0; done; printf '%s\n' "$$NO_COMPILER" >&2; exit 1
+	@[ -e $(VENV)/.installed ] && exit 0; for c in "$${CXX:-c++}" g++ clang++; do command -v "$${c%% *}" >/dev/null 2>&1 && exit 0; done; printf '%s\n' "$$NO_COMPILER" >&2; exit 1
 endif
 
-# Order: first what the machine lacks is said, then anything is downloaded.
-$(VENV)/.build: pyproject.toml $(VENV)/.made | compiler
+$(VENV)/.build: pyproject.toml $(VENV)/.made
 	@$(BIN)/python -m pip install --quiet --group build || { printf '%s\n' "$$NOT_INSTALLED" >&2; exit 1; }
 	@touch $@
 
@@ -128,7 +128,7 @@ $(VENV)/.installed: pyproject.toml CMakeLists.txt $(wildcard native/*) $(VENV)/.
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable . $(if $(filter 0,$(NATIVE)),-Ccmake.define.KINESICS_NATIVE=OFF) || { printf '%s\n' "$$NOT_INSTALLED" >&2; exit 1; }
 	@touch $@
 
-$(VENV)/.tools: pyproject.toml $(VENV)/.made | compiler
+$(VENV)/.tools: pyproject.toml $(VENV)/.made
 	@echo 'Installing the development tools …' >&2
 	@$(BIN)/python -m pip install --quiet --group dev || { printf '%s\n' "$$NOT_INSTALLED" >&2; exit 1; }
 	@touch $@
