@@ -47,9 +47,9 @@ def kinesics(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: py
 
 @pytest.fixture(scope="session")
 def walk(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Two seconds of walking as a BVH."""
+    """Three seconds of walking as a BVH."""
     import kinesics as kx
 
     path = tmp_path_factory.mktemp("recordings") / "walk.bvh"
-    kx.write(kx.performer.walk(seconds=2, fps=30).motion, path)
+    kx.write(kx.performer.walk(seconds=3, fps=30).motion, path)
     return path
