@@ -9,7 +9,6 @@ import typer
 
 from kinesics.cli import terminal
 from kinesics.cli.analyze import summarize
-from kinesics.errors import InputError
 
 SUMMARY = "Analyse a synthetic performance; say where the report is."
 EXAMPLES = (
@@ -29,10 +28,8 @@ def demo(
     """Analyse a synthetic performance: no recording is needed. Prints where the report is."""
     from kinesics import analysis, performer, report
 
-    if movement not in performer.NAMES:
-        raise InputError(f"The performer knows no movement '{movement}'. Movements: {', '.join(performer.NAMES)}.")
     with terminal.Bar("Performing and analysing") as bar:
-        performance = getattr(performer, movement)(seed=seed)
+        performance = performer.perform(movement, seed=seed)
         result = analysis.analyze(performance.motion, progress=bar.part(0.1, 0.4))
         report.save(result, out, progress=bar.part(0.4, 1.0))
     summarize(result)
