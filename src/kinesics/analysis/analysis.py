@@ -135,10 +135,8 @@ def analyze(
         "stillness": {
             "sway_degrees": _stillness.SWAY_DEGREES,
             "jitters": _stillness.JITTERS,
-            "crossings": _stillness.CROSSINGS,
-            "longest_wait_s": _stillness.LONGEST_WAIT_S,
-            "stay_share": _stillness.STAY_SHARE,
-            "sure": _stillness.SURE,
+            "turns": _stillness.TURNS,
+            "reach_quantile": _stillness.REACH_QUANTILE,
             "sources": [encode(r) for r in rules],
         },
         "symmetric_states": {"threshold": _symmetric.SYMMETRY_THRESHOLD, "release": _symmetric.RELEASE},

@@ -1,21 +1,19 @@
 """Stretches in which the body stays in one neighbourhood of C ([Schultz2012] §3.2.1).
 
 The dissertation: all pairs of moments of such a stretch are within a threshold of each other, "though the model may not
-actually be still". That is a bound on the *diameter* of the stretch, not on its speed. Two numbers make it definite, and neither
-knows of β, of the picture or of the frame rate:
+actually be still". That bounds the *diameter* of the stretch, not its speed; but slow movement and the turning point of a swing
+also stay near for a while. Two rules make it definite, and none knows of β, of the picture, of the frame rate or of the tempo:
 
-- **how near**: ε in √(2D), which is about half the r.m.s. angle between the joints. A person who stands still sways by one or
-  two degrees in each joint; 5° r.m.s. is ε = 2 sin(5°/4) = .0436. Where the sensor's own jitter is larger, three times the
-  jitter is taken.
-- **how long**: slow movement also stays within ε for a while, so the measure of time is the recording's own pace v (the speed
-  above and below which half of the distance is travelled, measured in steps of ε so that jitter does not count). A swing of
-  amplitude a (in √(2D)) stays within ε of its turning point for 2.4 √(a/ε) crossing times ε/v; at a = 1, wider than any human
-  swing, that is 12. Stillness lasts longer than that: no smooth reversal is mistaken for it, and a recording played at half
-  speed has the same stretches. Where even that would ask for more than 3 s, 3 s are enough: 5° in 3 s is still by any standard.
+- **near**: all pairs are within ε in √(2D), which is about half the r.m.s. angle between the joints. A person who stands still
+  sways by one or two degrees in each joint; 5° r.m.s. is ε = 2 sin(5°/4) = .0436. Where the sensor's own jitter is larger, three
+  times the jitter is taken.
+- **long**: it lasts more than twice as long as the widest swing of this recording would linger at its turning point. With the
+  recording's own pace v (the speed above and below which half of the distance is travelled, in steps of ε, so that neither
+  jitter nor stillness counts) and reach a (half the 95th percentile of √(2D) between moments), a swing at that pace stays within
+  ε of its turn for √3 (a/ε) arccos(1 − ε/a) times ε/v: four to twelve crossings of ε. So no smooth reversal is mistaken for
+  stillness, steady movement is not still however slow it is, and a recording played at half speed has the same stretches.
 
-A stretch must also be a *stay*, not a slow passage: at least four fifths of it lie within ε/3 of its middle (of a uniform
-passage, two thirds do). Only what lasts three times as long again, and so drifts at less than a thirty-sixth of the pace, needs
-no such proof: a body that settles is still.
+A recording that never moves by ε is still as a whole.
 """
 
 from __future__ import annotations
@@ -37,12 +35,9 @@ Array = NDArray[np.float64]
 SWAY_DEGREES: Final = 5.0
 EPSILON: Final = float(2.0 * np.sin(np.deg2rad(SWAY_DEGREES) / 4.0))
 JITTERS: Final = 3.0
-CROSSINGS: Final = 12.0
-LONGEST_WAIT_S: Final = 3.0
-STAY_SHARE: Final = 0.8
-SURE: Final = 3.0
-"""A stretch this many times the least duration (or `LONGEST_WAIT_S`) is a stay without further proof."""
-_STAY_RADIUS: Final = 1.0 / 3.0
+TURNS: Final = 2.0
+REACH_QUANTILE: Final = 0.95
+_REACH_SAMPLES: Final = 512
 _BLOCK: Final = 2048
 """Most moments compared all with all; a longer stretch is sampled evenly to this many."""
 
@@ -54,11 +49,13 @@ class StillnessRule:
     epsilon: float
     """In √(2D)."""
     minimum_s: float
-    """Seconds."""
+    """Seconds; 0 where the body never moves by ε."""
     jitter: float
     """Of the sensor, in √(2D) from one frame to the next."""
     pace: float | None
     """In √(2D) a second; None where the body never moves by ε."""
+    reach: float
+    """Half of how far apart moments are, in √(2D)."""
 
 
 def stillness_rule(poses: PoseSequence, weights: Weights | None = None) -> StillnessRule:
@@ -73,8 +70,9 @@ def stillness_rule(poses: PoseSequence, weights: Weights | None = None) -> Still
     jitter = _jitter(poses.quaternions, share)
     epsilon = max(EPSILON, JITTERS * jitter)
     pace = _pace(poses, epsilon, share)
-    minimum = LONGEST_WAIT_S if pace is None else min(CROSSINGS * epsilon / pace, LONGEST_WAIT_S)
-    return StillnessRule(epsilon, minimum, jitter, pace)
+    reach = _reach(poses.quaternions, share)
+    minimum = 0.0 if pace is None else TURNS * _turn(epsilon, reach) / pace
+    return StillnessRule(epsilon, minimum, jitter, pace, reach)
 
 
 def find_stillness(
@@ -82,7 +80,7 @@ def find_stillness(
 ) -> list[tuple[int, int]]:
     """Ranges [start, end) in which the body is still, in order, not overlapping.
 
-    Where stretches overlap the longest is taken first. A recording that never moves by ε is still as a whole, however short.
+    Where stretches overlap the longest is taken first.
 
     Parameters
     ----------
@@ -93,9 +91,10 @@ def find_stillness(
     share = check_weights(weights)
     rule = rule or stillness_rule(poses, share)
     frames = len(poses)
+    if rule.pace is None:
+        return [(0, frames)]
     # how many steps lie between the first and the last frame of the shortest stretch
-    span = max(1, int(np.ceil(rule.minimum_s * poses.fps - 1e-9)))
-    span = min(span, frames - 1) if rule.pace is None else span
+    span = max(2, int(np.ceil(rule.minimum_s * poses.fps - 1e-9)))
     if span >= frames:
         return []
     q = poses.quaternions
@@ -106,12 +105,7 @@ def find_stillness(
     found: list[tuple[int, int]] = []
     for first, last in _runs(near):
         found.extend(_stretches(q, first, last + span, span, rule.epsilon, share))
-    sure = min(SURE * rule.minimum_s, LONGEST_WAIT_S) * poses.fps
-    return [
-        (start, end)
-        for start, end in _without_overlap(found)
-        if end - start > min(sure, frames - 1) or _is_stay(q[start:end], rule.epsilon, share)
-    ]
+    return _without_overlap(found)
 
 
 def _stretches(q: Array, start: int, end: int, span: int, epsilon: float, weights: Array) -> list[tuple[int, int]]:
@@ -139,10 +133,21 @@ def _without_overlap(ranges: list[tuple[int, int]]) -> list[tuple[int, int]]:
     return sorted(chosen)
 
 
-def _is_stay(q: Array, epsilon: float, weights: Array) -> bool:
-    middle = q[len(q) // 2]
-    inside = _apart(q, middle[None], weights) <= _STAY_RADIUS * epsilon
-    return bool(inside.mean() >= STAY_SHARE)
+def _turn(epsilon: float, reach: float) -> float:
+    """How long a swing of amplitude ``reach`` stays within epsilon of its turning point, times its pace.
+
+    For a·cos(ωt) that is 2 arccos(1 − ε/a)/ω, and half of the way is travelled faster than v = aω √3/2.
+    """
+    wide = max(reach, 0.5 * epsilon)
+    return float(np.sqrt(3.0) * wide * np.arccos(1.0 - epsilon / wide))
+
+
+def _reach(q: Array, weights: Array) -> float:
+    """Half the 95th percentile of √(2D) over pairs of moments evenly spaced in time."""
+    count = min(len(q), _REACH_SAMPLES)
+    moments = ((np.arange(count) + 0.5) * len(q) / count).astype(np.intp)
+    pairs = chord(distance(q[moments], q[moments], weights))[np.triu_indices(count, 1)]
+    return 0.5 * float(np.quantile(pairs, REACH_QUANTILE)) if len(pairs) else 0.0
 
 
 def _jitter(q: Array, weights: Array) -> float:
@@ -159,32 +164,35 @@ def _jitter(q: Array, weights: Array) -> float:
 
 
 def _pace(poses: PoseSequence, epsilon: float, weights: Array) -> float | None:
-    """The speed above and below which half of the distance is travelled, in steps of at least epsilon."""
+    """The speed above and below which half of the distance is travelled, in steps of epsilon.
+
+    Each step begins where the last one ended and ends at the first moment further than epsilon away. Its speed is that of its
+    second half: a stay at its beginning then takes no part, however long it was.
+    """
     q = poses.quaternions
     lengths: list[float] = []
-    durations: list[int] = []
+    speeds: list[float] = []
     here = 0
     while here < len(q) - 1:
         ahead = 16
         while True:
-            distances = _apart(q[here + 1 : here + 1 + ahead], q[here : here + 1], weights)
+            distances = _apart(q[here : here + 1 + ahead], q[here : here + 1], weights)
             beyond = distances > epsilon
             if beyond.any() or here + 1 + ahead >= len(q):
                 break
             ahead *= 4
         if not beyond.any():
             break
-        step = int(np.argmax(beyond))
-        lengths.append(float(distances[step]))
-        durations.append(step + 1)
-        here += step + 1
+        exit_ = int(np.argmax(beyond))
+        half = int(np.flatnonzero(distances[:exit_] <= 0.5 * epsilon)[-1])
+        lengths.append(float(distances[exit_]))
+        speeds.append(float(distances[exit_] - distances[half]) / (exit_ - half) * poses.fps)
+        here += exit_
     if not lengths:
         return None
-    distance = np.array(lengths)
-    speed = distance / np.array(durations) * poses.fps
-    order = np.argsort(speed)
-    travelled = np.cumsum(distance[order])
-    return float(speed[order][np.searchsorted(travelled, 0.5 * travelled[-1])])
+    order = np.argsort(speeds)
+    travelled = np.cumsum(np.array(lengths)[order])
+    return float(np.array(speeds)[order][np.searchsorted(travelled, 0.5 * travelled[-1])])
 
 
 def _apart(a: Array, b: Array, weights: Array) -> Array:

@@ -126,10 +126,11 @@ def _how_to_read(palette: str) -> str:
 
 def _stillness_words(analysis: Analysis) -> str:
     rules = analysis.parameters["stillness"]["sources"]
-    waits = sorted({f"{r['minimum_s']:.2f}" for r in rules})
+    near = " or ".join(sorted({f"{r['epsilon']:.3f}" for r in rules}))
+    waits = " or ".join(sorted({f"{r['minimum_s']:.2f}" for r in rules}))
     return (
-        f"Stretches of at least {' or '.join(waits)} s in which all poses stay within "
-        f"√(2D) = {max(r['epsilon'] for r in rules):.3f} of each other."
+        f"Stretches of at least {waits} s in which all poses stay within √(2D) = {near} of each other: a few degrees in each "
+        "joint, for longer than a swing of this recording lingers at its turning point."
     )
 
 
