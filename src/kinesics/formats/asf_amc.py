@@ -528,7 +528,12 @@ def _frame_at(file: text.TextFile, position: int, asf: _Asf) -> tuple[int, dict[
                 break
             number = int(words[0])
         elif words and number is None:
-            file.fail(f"Expected a frame number, got '{text.short(' '.join(words))}'.", offset=position)
+            hint = (
+                f"Perhaps the first frame has no '{words[0]}'; all frames must have the same bones."
+                if words[0] in asf.bones
+                else ""
+            )
+            file.fail(f"Expected a frame number, got '{text.short(' '.join(words))}'.", offset=position, hint=hint)
         elif words:
             if words[0] in bones:
                 file.fail(f"Frame {number} has '{words[0]}' twice.", offset=position)
