@@ -52,7 +52,13 @@ def draw(analysis: Analysis, *, palette: str = "thesis", progress: Progress | No
     report(0.0, "comparing all moments")
     poses, borders = _common_time(analysis)
     weights = analysis.parameters.get("weights")
-    pooled = pooled_similarity(poses, size=_PIXELS, beta=analysis.beta, weights=weights)
+    pooled = pooled_similarity(
+        poses,
+        size=_PIXELS,
+        beta=analysis.beta,
+        weights=weights,
+        progress=lambda fraction, message="": report(0.35 * fraction, message or "comparing all moments"),
+    )
     name = ", ".join(s.name for s in analysis.sources if s.name)
     key = colour_key(palette)
 
