@@ -46,7 +46,7 @@ def info(
 
 def inspect(motion: Motion, mapping: Mapping[str, Any] | None = None) -> dict[str, Any]:
     """What is known of a recording, as plain values."""
-    from kinesics.body import anatomy, quality
+    from kinesics.body import anatomy, limits, quality
 
     source = motion.source
     facts: dict[str, Any] = {
@@ -72,6 +72,7 @@ def inspect(motion: Motion, mapping: Mapping[str, Any] | None = None) -> dict[st
         facts["not_understood"] = None
         facts["assumptions"] += list(body.assumptions)
     facts["quality"] = quality.inspect(motion).to_dict()
+    facts["free_space"] = limits.free_space(motion).to_dict()
     return facts
 
 
@@ -98,6 +99,7 @@ def _show(facts: dict[str, Any]) -> None:
             console.print(f"    [dim]{role:<16}[/dim]{terminal.escape(joint)}")
     _list(console, "Assumed", facts["assumptions"], "nothing: the file says it all")
     _list(console, "Looks wrong", [*facts["warnings"], *facts["quality"]["sentences"]], "nothing")
+    _list(console, "Joint limits and collisions", facts["free_space"]["sentences"], "nothing to check")
 
 
 def _list(console: Console, title: str, lines: list[str], otherwise: str) -> None:
