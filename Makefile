@@ -138,5 +138,5 @@ $(PEERS)/.installed: benchmarks/peers-requirements.txt $(VENV)/.made
 	@echo 'Installing the peers to compare with …' >&2
 	@$(BIN)/python -m venv --clear $(PEERS)
 	@grep -Ev '^[[:space:]]*(#|$$)' $< | while read -r peer; do \
-	  $(PEERS)/bin/python -m pip install --quiet "$$peer" || echo "note: '$$peer' did not install; its rows will say so." >&2; done
+	  $(PEERS)/bin/python -m pip install --quiet $$peer || echo "note: '$$peer' did not install; its rows will say so." >&2; done
 	@touch $@
