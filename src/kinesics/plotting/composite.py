@@ -168,3 +168,4 @@ def _cross(ax: Axes, *, lines: bool = True) -> None:
     for side in ("top", "right"):
         ax.spines[side].set_visible(False)
     ax.tick_params(labelsize=9, colors=canvas.INK)
+    ax.locator_params(nbins=6)
