@@ -55,38 +55,45 @@ def _perform(
 
 
 _JACK: Final[_Curves] = {
-    "shoulder_elevate": [(0, -76), (12, -62), (25, 0), (38, 60), (50, 74)],
-    "elbow": [(0, 16), (25, 10), (50, 22)],
-    "shoulder_twist": [(0, 0), (25, -30), (50, -70)],
+    "shoulder_elevate": [(0, -74), (12, -62), (25, -8), (38, 46), (50, 58)],
+    "elbow": [(0, 16), (12, 12), (25, 18), (38, 44), (50, 66)],
+    "shoulder_twist": [(0, -10), (25, -30), (50, -64)],
     "shoulder_horizontal": [(0, 4), (25, 6), (50, 8)],
     "hip_abduct": [(0, 2), (15, 3.5), (35, 19.5), (50, 21)],
-    "hip_flex": [(0, 16), (14, 5), (25, 3), (36, 6), (50, 15)],
+    "hip_flex": [(0, 21), (14, 6), (25, 1), (36, 6), (50, 17)],
     "knee": [(0, 30), (14, 7), (25, 5), (36, 9), (50, 26)],
     "ankle": [(0, -4), (14, -28), (25, -36), (36, -26), (50, -4)],
-    "pelvis_pitch": [(0, 6), (25, 2), (50, 5)],
-    "trunk_bend": [(0, 4), (25, 1), (50, 0)],
+    "pelvis_pitch": [(0, 11), (14, 3), (25, 0), (36, 2), (50, 7)],
+    "trunk_bend": [(0, 14), (25, 2), (50, -4)],
+    "neck_bend": [(0, -14), (25, 2), (50, 6)],
 }
 
 _SQUAT: Final[_Curves] = {
-    "knee": [(0, 6), (12, 24), (25, 62), (38, 97), (50, 110)],
-    "hip_flex": [(0, 4), (12, 24), (25, 62), (38, 94), (50, 106)],
-    "pelvis_pitch": [(0, 1), (12, 11), (25, 24), (38, 31), (50, 33)],
-    "trunk_bend": [(0, 0), (25, 8), (50, 14)],
+    "knee": [(0, 6), (12, 26), (25, 70), (38, 108), (50, 122)],
+    "hip_flex": [(0, 4), (12, 22), (25, 60), (38, 94), (50, 108)],
+    "pelvis_pitch": [(0, 1), (12, 6), (25, 14), (38, 18), (50, 19)],
+    "lowerback_bend": [(0, 0), (25, 16), (50, 24)],
+    "upperback_bend": [(0, 0), (50, 7)],
+    "thorax_bend": [(0, 0), (50, 8)],
     "neck_bend": [(0, 0), (25, -12), (50, -20)],
-    "shoulder_flex": [(0, 4), (25, 68), (50, 118)],
+    "shoulder_flex": [(0, 4), (25, 60), (50, 96)],
     "hip_abduct": [(0, 7), (25, 10), (50, 14)],
     "hip_rotate": [(0, 10), (50, 14)],
-    "elbow": [(0, 14), (50, 8)],
+    "elbow": [(0, 12), (25, 28), (50, 32)],
 }
 
 _TWIST: Final[_Curves] = {
-    "pelvis_yaw": [(0, 12), (50, -12)],
-    "trunk_twist": [(0, 48), (50, -48)],
+    "pelvis_yaw": [(0, 28), (50, -28)],
+    "pelvis_roll": [(0, 2), (50, -2)],
+    "trunk_twist": [(0, 52), (50, -52)],
     "neck_twist": [(0, 16), (50, -16)],
-    "left_shoulder_horizontal": [(0, 18), (50, 34)],
-    "right_shoulder_horizontal": [(0, 34), (50, 18)],
-    "left_hip_rotate": [(0, 2), (50, 12)],
-    "right_hip_rotate": [(0, 12), (50, 2)],
+    "left_shoulder_horizontal": [(0, -18), (50, 74)],
+    "right_shoulder_horizontal": [(0, 74), (50, -18)],
+    "left_elbow": [(0, 40), (50, 92)],
+    "right_elbow": [(0, 92), (50, 40)],
+    # the feet stay where they are under the turning pelvis
+    "left_hip_rotate": [(0, -21), (50, 35)],
+    "right_hip_rotate": [(0, 35), (50, -21)],
     "left_knee": [(0, 12), (50, 6)],
     "right_knee": [(0, 6), (50, 12)],
     "left_hip_flex": [(0, 8), (50, 4)],
@@ -150,7 +157,7 @@ def twist(
 ) -> Performance:
     """Twist the trunk left and right: `cyclic-antiphase-palindromic`. Parameters as in `kinesics.performer.walk`."""
     amplitude = check_number("amplitude", amplitude, 0.2, 1.3)
-    base = posture(STANDING, shoulder_elevate=-22, elbow=105, shoulder_twist=0, hip_abduct=8, pronate=0)
+    base = posture(STANDING, shoulder_elevate=-34, elbow=66, shoulder_twist=0, hip_abduct=8, pronate=0)
     shape = tracks(base, _there_and_back(_TWIST), amplitude)
     class_ = MovementClass.CYCLIC_ANTIPHASE_PALINDROMIC
     return _perform("twist", class_, shape, seconds, fps, period, tempo_jitter, seed, conditions)

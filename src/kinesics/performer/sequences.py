@@ -66,11 +66,11 @@ def side_kicks(
     kicks = max(2, int((seconds / period - 1.4) / 2.0))
     chamber = posture(
         _GUARD, pelvis_yaw=-26, pelvis_roll=10, trunk_lean=6, left_hip_flex=66, left_hip_abduct=30, left_knee=112,
-        left_plant=0, left_ankle=10, right_hip_flex=0, right_knee=16, right_hip_abduct=2, right_ankle=0,
+        left_plant=0, left_ankle=10, right_hip_flex=0, right_knee=16, right_hip_abduct=10, right_ankle=0,
     )  # fmt: skip
     kick = posture(
         _GUARD, pelvis_yaw=-36, pelvis_roll=34, trunk_lean=22, trunk_bend=2, neck_lean=-22, left_hip_flex=18,
-        left_hip_abduct=58, left_hip_rotate=-8, left_knee=8, left_plant=0, left_ankle=14, right_hip_abduct=-30,
+        left_hip_abduct=58, left_hip_rotate=-8, left_knee=8, left_plant=0, left_ankle=14, right_hip_abduct=32,
         right_knee=10, right_hip_flex=2, right_ankle=0, left_elbow=60, left_shoulder_elevate=-50,
     )  # fmt: skip
     lowered = posture(
@@ -131,10 +131,26 @@ def _sun_graph(amplitude: float) -> KeyGraph:
     up_dog = posture(
         support, pelvis_pitch=67.5, hip_flex=-13, elbow=4, shoulder_flex=8, ankle=-45, trunk_bend=-58, neck_bend=-22
     )
+    # one leg back, then the other: hands and the foot that stands stay where they are
+    first_back = posture(
+        STANDING, pelvis_pitch=68.8, trunk_bend=41.1, neck_bend=-0.9, left_hip_flex=40, left_knee=50, left_ankle=-10,
+        left_plant=0, right_hip_flex=86, right_knee=68.9, right_ankle=0, shoulder_flex=117.3, shoulder_elevate=-85,
+        elbow=7.4, pronate=75, wrist=20,
+    )  # fmt: skip
     lunge = posture(
-        STANDING, pelvis_pitch=63.7, left_hip_flex=-4, left_knee=6, right_hip_flex=89.3, right_knee=112, left_ankle=25,
-        left_plant=0, right_ankle=0, trunk_bend=6, neck_bend=-16, elbow=6, shoulder_flex=80, wrist=40, shoulder_elevate=-86,
-        pronate=90,
+        STANDING, pelvis_pitch=61.8, trunk_bend=8.1, neck_bend=-16, left_hip_flex=-5, left_knee=6, left_ankle=25,
+        left_plant=0, right_hip_flex=94.1, right_knee=114.2, right_ankle=0, shoulder_flex=78, shoulder_elevate=-86,
+        elbow=4.8, pronate=90, wrist=40,
+    )  # fmt: skip
+    foot_lifted = posture(
+        STANDING, pelvis_pitch=69.9, trunk_bend=5.1, neck_bend=-14.7, left_hip_flex=6.1, left_knee=5.4, left_ankle=25,
+        left_plant=0, right_hip_flex=87.1, right_knee=124, right_ankle=6, right_plant=0.6, hip_rotate=4.2,
+        shoulder_flex=82.9, shoulder_elevate=-86.3, elbow=4.4, pronate=90, wrist=45.2,
+    )  # fmt: skip
+    second_back = posture(
+        STANDING, pelvis_pitch=79.4, trunk_bend=-2.1, neck_bend=-12, left_hip_flex=16.6, left_ankle=25, left_plant=0,
+        right_hip_flex=50, right_knee=70, right_ankle=-10, right_plant=0, hip_rotate=2.5, shoulder_flex=84.7,
+        shoulder_elevate=-87, elbow=3.4, pronate=90, wrist=57.5,
     )  # fmt: skip
     jump = posture(
         STANDING, pelvis_pitch=104, trunk_bend=14, hip_flex=88, knee=70, shoulder_flex=118, elbow=4, neck_bend=-10,
@@ -163,7 +179,7 @@ def _sun_graph(amplitude: float) -> KeyGraph:
             symmetric("yy~_1", "Y~", "Y~", 1.7, grown(forward)),
             symmetric("xt~_1", "X~", "T~", 2.0, diving, reversible=True),
             symmetric("tw~_1", "T~", "W~", 1.3, reversible=True),
-            KeyPath("wv_1", "W~", "V~", 2.6, via=(lunge,)),
+            KeyPath("wv_1", "W~", "V~", 3.4, via=(first_back, lunge, foot_lifted, second_back)),
             symmetric("vv~_1", "V~", "V~", 4.2, low, up_dog, _grown(plank, up_dog, 0.45)),
             symmetric("vw~_1", "V~", "W~", 1.5, jump),
         ),
