@@ -1,0 +1,294 @@
+"""What the grammar reads: distances D and D* between the moments of a recording, at a rate fit for reading.
+
+A moment is a frame of the recording taken at the analysis rate, at most 30 a second: the moments of a recording at 120 frames
+a second and of the same at 30 are the same. Whether D comes from poses, silhouettes or gestures makes no difference here; and
+no matrix of all moments is kept: `Moments.tile` and `Moments.by_lag` give the part that is wanted.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kinesics.body.pose import PoseSequence
+from kinesics.errors import InputError
+from kinesics.geometry import quaternion
+from kinesics.similarity import (
+    check_weights,
+    chord,
+    distance,
+    mirror_distance,
+    paired_distance,
+    symmetry_residual,
+)
+from kinesics.similarity._inputs import Weights
+
+Array = NDArray[np.float64]
+Floats = NDArray[np.float32]
+
+RATE: Final = 30.0
+"""Moments a second at most: fast movement of the whole body stays well below 15 Hz."""
+LARGEST_BLOCK: Final = 4000
+"""Moments of which all pairs may be asked for at once (two minutes)."""
+_ROWS: Final = 1024
+
+_NEIGHBOURS: Final = (-2, -1, 1, 2)
+_WEIGHTS: Final = (-1 / 6, 4 / 6, 4 / 6, -1 / 6)
+"""A cubic through the four neighbours passes the middle one: what is left of it is noise."""
+_LEFT_OVER: Final = 1.0 + 34.0 / 36.0
+"""Variance of middle minus cubic, in variances of one frame's noise."""
+_NOISE_QUANTILE: Final = 0.2
+_QUANTILE_SHARE: Final = 0.82
+"""The fifth of χ²₄₅/45 (15 joints of three angles): from the calmest fifth to the mean."""
+
+
+@dataclass(frozen=True, eq=False)
+class Moments:
+    """Moments of one recording and the distances between them. Made by `from_poses` or `from_distances`."""
+
+    fps: float
+    """Moments a second, at most `RATE`."""
+    source_fps: float
+    source_frames: int
+    """Frames of the recording."""
+    speed: Array
+    """√(2D)/Δt, 1/s, shape (count,): entry i is the step from moment i − 1 to i, entry 0 repeats entry 1."""
+    symmetry: Array
+    """D*(a, a) of each moment, shape (count,)."""
+    noise: float
+    """D that the sensor's noise alone puts between two moments of the same pose; from what no smooth movement explains."""
+    poses: PoseSequence | None = None
+    """The poses at the moments, where D comes from poses."""
+    weights: Array | None = None
+    """Of the links."""
+    dense: tuple[Floats, Floats] | None = dataclasses.field(default=None, repr=False)
+    """D and D* of all moments, where they were given."""
+
+    @property
+    def count(self) -> int:
+        """How many moments."""
+        return len(self.speed)
+
+    def __len__(self) -> int:
+        """How many moments."""
+        return len(self.speed)
+
+    @property
+    def seconds(self) -> float:
+        """Duration, moments over rate."""
+        return self.count / self.fps
+
+    def frame_of(self, moment: float) -> int:
+        """The source frame nearest to a moment; ``count`` (an exclusive end) gives the number of source frames."""
+        if moment >= self.count:
+            return self.source_frames
+        return int(min(max(round(moment * self.source_fps / self.fps), 0), self.source_frames - 1))
+
+    def moment_of(self, frame: float) -> int:
+        """The moment nearest to a source frame; the number of source frames gives ``count``."""
+        if frame >= self.source_frames:
+            return self.count
+        return int(min(max(round(frame * self.fps / self.source_fps), 0), self.count - 1))
+
+    def tile(self, rows: slice, cols: slice) -> tuple[Floats, Floats]:
+        """D and D* between two ranges of moments: ``d[i, j]`` is of moment ``rows.start + i`` and ``cols.start + j``."""
+        if self.dense is not None:
+            return self.dense[0][rows, cols], self.dense[1][rows, cols]
+        assert self.poses is not None
+        q = self.poses.quaternions
+        a, b = q[rows], q[cols]
+        d = distance(a, b, self.weights)
+        first, second = rows.indices(self.count)[0], cols.indices(self.count)[0]
+        # rounding leaves up to 4e-7 between a moment and itself
+        same = np.arange(max(first, second), min(first + len(a), second + len(b)))
+        d[same - first, same - second] = 0.0
+        return d, mirror_distance(a, b, self.weights)
+
+    def block(self, start: int = 0, end: int | None = None) -> tuple[Floats, Floats]:
+        """D and D* of all pairs of moments in [start, end).
+
+        Raises
+        ------
+        InputError
+            If there are more than `LARGEST_BLOCK` moments: use `tile` or `by_lag`.
+        """
+        start, end = self.stretch(start, end)
+        if end - start > LARGEST_BLOCK and self.dense is None:
+            raise InputError(
+                f"Expected a stretch of at most {LARGEST_BLOCK} moments, got {end - start}: "
+                "take it tile by tile (`tile`) or by lag (`by_lag`)."
+            )
+        return self.tile(slice(start, end), slice(start, end))
+
+    def by_lag(self, most: int, start: int = 0, end: int | None = None) -> tuple[Floats, Floats]:
+        """D and D* near the identity axis: ``d[k, i]`` is of moments ``start + i`` and ``start + i + k``, inf beyond the end.
+
+        Two of shape (most + 1, end − start).
+        """
+        start, end = self.stretch(start, end)
+        n = end - start
+        most = min(most, n - 1)
+        out = np.full((2, most + 1, n), np.inf, dtype=np.float32)
+        for first in range(0, n, _ROWS):
+            rows = np.arange(first, min(first + _ROWS, n))
+            stop = min(int(rows[-1]) + most + 1, n)
+            parts = self.tile(slice(start + first, start + len(rows) + first), slice(start + first, start + stop))
+            for k in range(most + 1):
+                fits = min(len(rows), stop - first - k)
+                if fits > 0:
+                    for which, part in enumerate(parts):
+                        out[which, k, first : first + fits] = np.diagonal(part, k)[:fits]
+        return out[0], out[1]
+
+    def stretch(self, start: int, end: int | None) -> tuple[int, int]:
+        """A range of moments, checked.
+
+        Raises
+        ------
+        InputError
+            If it is empty or reaches beyond the recording.
+        """
+        last = self.count if end is None else end
+        if not 0 <= start < last <= self.count:
+            raise InputError(f"Expected a stretch within the {self.count} moments, got [{start}, {last}).")
+        return start, last
+
+
+def from_poses(poses: PoseSequence, rate: float = RATE, *, weights: Weights | None = None) -> Moments:
+    """The moments of a sequence of poses.
+
+    Parameters
+    ----------
+    rate : moments a second; the recording's own rate where that is lower.
+    weights : of the 15 links in D (see `kinesics.similarity.distance`).
+
+    Raises
+    ------
+    InputError
+        If the rate is not above 0 or the weights cannot be used.
+    """
+    if not (np.isfinite(rate) and rate > 0.0):
+        raise InputError(f"Expected `rate` above 0, got {rate}.")
+    share = check_weights(weights)
+    taken = _resampled(poses, rate)
+    q = taken.quaternions
+    return Moments(
+        fps=taken.fps,
+        source_fps=poses.fps,
+        source_frames=len(poses),
+        speed=_speed(paired_distance(q[:-1], q[1:], share) if len(q) > 1 else np.empty(0), taken.fps),
+        symmetry=symmetry_residual(q, share),
+        noise=_noise(
+            # the noise is the sensor's: seen best at the sensor's own rate
+            [paired_distance(poses.quaternions[:-k], poses.quaternions[k:], share) for k in range(1, 5)]
+            if len(poses) > 4
+            else None
+        ),
+        poses=taken,
+        weights=share,
+    )
+
+
+def from_distances(d: ArrayLike, d_mirror: ArrayLike, fps: float, rate: float = RATE) -> Moments:
+    """The moments of anything of which all distances are known: silhouettes, gestures.
+
+    Parameters
+    ----------
+    d, d_mirror : D and D* between all frames, shape (frames, frames).
+    fps : frames a second.
+    rate : moments a second at most; where the frames are more, the nearest ones are taken.
+
+    Raises
+    ------
+    InputError
+        If the shapes disagree, values are not finite or negative, or a rate is not above 0.
+    """
+    matrices = [np.asarray(m, dtype=np.float32) for m in (d, d_mirror)]
+    for name, m in zip(("d", "d_mirror"), matrices, strict=True):
+        if m.ndim != 2 or m.shape[0] != m.shape[1] or len(m) == 0 or m.shape != matrices[0].shape:
+            raise InputError(f"Expected `d` and `d_mirror` of one shape (frames, frames), got {name} of {m.shape}.")
+        if not np.isfinite(m).all() or m.min() < -1e-5:
+            raise InputError(f"Expected distances that are finite and not negative; `{name}` has others.")
+    if not (np.isfinite(fps) and fps > 0.0 and np.isfinite(rate) and rate > 0.0):
+        raise InputError(f"Expected `fps` and `rate` above 0, got {fps} and {rate}.")
+    frames = len(matrices[0])
+    noise = _noise([np.diagonal(matrices[0], k).astype(np.float64) for k in range(1, 5)] if frames > 4 else None)
+    taken = min(fps, rate)
+    if taken < fps:
+        times = np.arange(int(np.floor((frames - 1) / fps * taken + 1e-9)) + 1) * (fps / taken)
+        index = np.minimum(np.round(times).astype(np.intp), frames - 1)
+        matrices = [m[np.ix_(index, index)] for m in matrices]
+    matrices = [np.maximum(m, np.float32(0.0)) for m in matrices]
+    return Moments(
+        fps=taken,
+        source_fps=fps,
+        source_frames=frames,
+        speed=_speed(np.diagonal(matrices[0], 1).astype(np.float64), taken),
+        symmetry=np.diagonal(matrices[1]).astype(np.float64),
+        noise=noise,
+        dense=(matrices[0], matrices[1]),
+    )
+
+
+def _resampled(poses: PoseSequence, rate: float) -> PoseSequence:
+    """At ``rate`` or the poses' own, if that is lower; moment k at time k / rate; frames that fall on it are kept as they are."""
+    if poses.fps <= rate * (1.0 + 1e-6) or len(poses) == 1:
+        return poses
+    last = len(poses) - 1
+    times = np.arange(int(np.floor(last / poses.fps * rate + 1e-9)) + 1) * (poses.fps / rate)
+    left = np.minimum(np.floor(times + 1e-9).astype(np.intp), last)
+    right = np.minimum(left + 1, last)
+    t = np.clip(times - left, 0.0, 1.0)
+    t[t < 1e-9] = 0.0
+    q = poses.quaternions[left]
+    between = t > 0.0
+    if between.any():
+        q[between] = quaternion.slerp(q[between], poses.quaternions[right[between]], t[between, None])
+    yaw = np.unwrap(poses.yaw)
+    undefined = poses.yaw_undefined
+    assert undefined is not None
+    ground = poses.ground
+    return dataclasses.replace(
+        poses,
+        quaternions=q,
+        yaw=yaw[left] * (1.0 - t) + yaw[right] * t,
+        ground=ground[left] * (1.0 - t)[:, None] + ground[right] * t[:, None],
+        yaw_undefined=undefined[left] | (undefined[right] & between),
+        fps=rate,
+    )
+
+
+def _speed(steps: Array, fps: float) -> Array:
+    """From D between neighbours to √(2D)/Δt of every moment."""
+    if len(steps) == 0:
+        return np.zeros(1)
+    s = chord(steps) * fps
+    return np.concatenate([s[:1], s])
+
+
+def _noise(lagged: list[Array] | None) -> float:
+    """D between two moments of one pose, from D at lags 1 to 4.
+
+    2D is a squared distance, so the distance of the middle from the cubic through its neighbours needs distances only:
+    |x − Σ wᵢ aᵢ|² = Σ wᵢ |x − aᵢ|² − Σ_{i<j} wᵢ wⱼ |aᵢ − aⱼ|² where Σ wᵢ = 1. Noise is there always, movement bends most
+    when it is fast: the calmest fifth of the moments tells.
+    """
+    if lagged is None:
+        return 0.0
+    count = len(lagged[3])
+    squared = np.zeros(count)
+
+    def between(i: int, j: int) -> Array:
+        first, second = min(i, j) + 2, max(i, j) + 2
+        return lagged[second - first - 1][first : first + count]
+
+    for place, (i, w) in enumerate(zip(_NEIGHBOURS, _WEIGHTS, strict=True)):
+        squared += w * between(0, i)
+        for j, v in zip(_NEIGHBOURS[place + 1 :], _WEIGHTS[place + 1 :], strict=True):
+            squared -= w * v * between(i, j)
+    calm = float(np.quantile(np.maximum(squared, 0.0), _NOISE_QUANTILE))
+    return calm / _QUANTILE_SHARE * 2.0 / _LEFT_OVER

@@ -1,0 +1,60 @@
+"""The shortest period of a movement, with tempo freedom."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinesics.grammar import lags
+
+Array = NDArray[np.float64]
+
+_STEP: Final = 1.06
+"""Ratio of neighbouring trial lags: far finer than the band that each of them searches."""
+_LONGEST: Final = 0.7
+"""Of the recording: the rest of it must show the return."""
+_COVERED: Final = 0.25
+"""A path must cover this share of the recording."""
+_RETURN: Final = 0.5
+"""A return must bring the distance below this share of what it rose to."""
+_AS_GOOD: Final = 0.12
+"""Of the rise: a shorter lag within this of the best one is the period, the best one a multiple of it."""
+
+
+def find(distance: Array, *, shortest: float) -> lags.LagPath | None:
+    """The path at the shortest lag after which the movement is the same, or None.
+
+    A lag counts as a return when the movement went clearly away before it; medians over time, so that a beginning and an
+    end that do not belong to the cycle (raising the hand before waving) do not decide.
+
+    Parameters
+    ----------
+    distance : D between all moments, shape (n, n).
+    shortest : shortest lag tried, frames.
+    """
+    n = len(distance)
+    most = int(_LONGEST * n)
+    by_lag = lags.diagonals(distance, most)
+    bend = lags.bend_cost(distance)
+    trials: list[lags.LagPath] = []
+    lag = float(shortest)
+    while lag < most / 1.05:
+        path = lags.follow(by_lag, lag, bend=bend, band=min(lags.BAND, (most - 1) / lag - 1))
+        if path is not None and len(path.lags) >= _COVERED * n:
+            trials.append(path)
+        lag *= _STEP
+    if not trials:
+        return None
+    typical = np.array([np.median(p.costs) for p in trials])
+    rise = np.maximum.accumulate(typical)
+    returned = typical < _RETURN * rise
+    if not returned.any():
+        return None
+    best = float(typical[returned].min())
+    good = returned & (typical <= best + _AS_GOOD * (float(rise.max()) - best))
+    # the first good trial may look into the valley from the edge of its band: take the deepest one of the same valley
+    first = trials[int(np.argmax(good))].lag
+    valley = [k for k in range(len(trials)) if good[k] and abs(trials[k].lag / first - 1) < 0.15]
+    return trials[min(valley, key=lambda k: float(typical[k]))]
