@@ -43,7 +43,6 @@ _ANGLE_PLACES = 7
 _FPS_REMARK = "# frames per second:"
 _HELPERS = "bones that only lead to others:"
 _SAID_FPS = re.compile(rb"^[ \t]*(?:# frames per second:|:SAMPLES-PER-SECOND)\s*(\S+)", re.IGNORECASE | re.MULTILINE)
-_FRAME_NUMBER = re.compile(rb"^[ \t]*(\d+)[ \t\r]*$", re.MULTILINE)
 _SECTION = re.compile(
     rb"^[ \t]*:(version|name|units|documentation|root|bonedata|hierarchy)\b", re.IGNORECASE | re.MULTILINE
 )
@@ -764,7 +763,9 @@ def _numbers_of(
     columns = [turned[:, ::-1] / _DEGREE]
     bone.dofs = tuple("r" + a.lower() for a in axes)
     if shifts is not None:
-        columns.insert(0, quaternion.rotate(quaternion.conjugate(axis), shifts) / scale)
+        # the root's are along the axes of the world, the others' along those of C
+        along = shifts if bone.joint == 0 else quaternion.rotate(quaternion.conjugate(axis), shifts)
+        columns.insert(0, along / scale)
         bone.dofs = ("tx", "ty", "tz", *bone.dofs)
         bone.limits = ((-np.inf, np.inf),) * 3 + bone.limits if bone.limits else ()
     return np.concatenate(columns, axis=1)

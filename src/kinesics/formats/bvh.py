@@ -39,6 +39,39 @@ _SAME_PLACE = 1e-6
 """Of the skeleton's size: a position channel that stays this near to the OFFSET says nothing that the OFFSET does not."""
 
 
+_USUAL_RATES = frozenset(
+    {
+        10,
+        12,
+        15,
+        20,
+        24,
+        25,
+        30,
+        40,
+        48,
+        50,
+        60,
+        72,
+        75,
+        90,
+        100,
+        120,
+        144,
+        150,
+        180,
+        200,
+        240,
+        250,
+        300,
+        360,
+        480,
+        500,
+        1000,
+    }
+)
+
+
 def sniff(head: bytes) -> bool:
     """Whether a file begins as a BVH does."""
     if head.startswith((b"\xff\xfe", b"\xfe\xff")):
@@ -323,8 +356,8 @@ def _frame_count(file: text.TextFile, word: str, line: int) -> int:
 def _frame_rate(file: text.TextFile, word: str, line: int) -> tuple[float, list[str]]:
     """Frames a second of a printed frame time.
 
-    A time is printed with few digits (0.00833333): where a whole number of frames a second prints as the same digits, that
-    is what is meant.
+    A time is printed with few digits (0.00833333): where a usual rate prints as the same digits, or a whole number of frames
+    a second is as near as six digits can say, that is what is meant.
     """
     try:
         seconds = text.number(word)
@@ -336,7 +369,9 @@ def _frame_rate(file: text.TextFile, word: str, line: int) -> tuple[float, list[
     last_place = 10.0 ** (int(exponent or 0) - len(mantissa.partition(".")[2]))
     fps = 1.0 / seconds
     whole = round(fps)
-    if whole > 0 and abs(fps - whole) <= 0.005 * whole and abs(1.0 / whole - seconds) <= last_place:
+    off = abs(fps - whole) / fps
+    usual = whole in _USUAL_RATES and off <= 0.005 and abs(1.0 / whole - seconds) <= last_place
+    if usual or off < 1e-5:
         said = [] if abs(fps - whole) < 1e-9 * whole else [f"frame time {word} s means {whole} frames a second"]
         return float(whole), said
     return fps, []
@@ -485,8 +520,8 @@ def _file_order(skeleton: Skeleton) -> list[int]:
 
 
 def _frame_time(fps: float) -> str:
-    """Seconds between frames, shortest text that gives them back, without an exponent."""
-    return np.format_float_positional(1.0 / fps, unique=True, trim="0")
+    """Seconds between frames: so many digits that they give back the rate, and that none is taken for another."""
+    return np.format_float_positional(1.0 / fps, unique=True, min_digits=10)
 
 
 def _positions(freedom: JointFreedom, placed: Array, offset: Array, *, root: bool, keep: bool) -> dict[str, Array]:
