@@ -18,7 +18,9 @@ def wheel_is_clean(wheel: Path, project: Path) -> None:
         sums = {hashlib.sha256(archive.read(name)).hexdigest() for name in names if not name.endswith("/")}
     strangers = [n for n in names if not n.startswith(("kinesics/", "kinesics-"))]
     assert not strangers, f"the wheel holds more than the package: {strangers}"
-    recordings = [n for n in names if n.lower().endswith((".bvh", ".amc", ".asf", ".c3d", ".fbx", ".avi", ".npz", ".zip"))]
+    recordings = [
+        n for n in names if n.lower().endswith((".bvh", ".amc", ".asf", ".c3d", ".fbx", ".avi", ".npz", ".zip"))
+    ]
     assert not recordings, f"the wheel holds recordings: {recordings}"
     assert not [n for n in names if "test" in Path(n).name], "the wheel holds tests"
     assert any("_native" in n and n.endswith((".so", ".pyd")) for n in names), "the wheel lacks the compiled module"
@@ -27,7 +29,9 @@ def wheel_is_clean(wheel: Path, project: Path) -> None:
     data = project.parent / "shared" / "data"
     for file in data.rglob("*") if data.is_dir() else ():
         if file.is_file() and file.stat().st_size < 20_000_000:
-            assert hashlib.sha256(file.read_bytes()).hexdigest() not in sums, f"the wheel holds {file.name} of the test data"
+            assert hashlib.sha256(file.read_bytes()).hexdigest() not in sums, (
+                f"the wheel holds {file.name} of the test data"
+            )
 
 
 def import_is_light_and_ours(project: Path) -> None:
@@ -38,14 +42,16 @@ def import_is_light_and_ours(project: Path) -> None:
     assert project.resolve() not in home.parents, f"the source tree was imported: {home}"
     heavy = {"matplotlib", "cv2", "scipy", "networkx"} & set(sys.modules)
     assert not heavy, f"`import kinesics` loads {heavy}"
-    import kinesics._native  # noqa: F401 - that it loads is what is checked
+    import kinesics._native
 
 
 def command(*arguments: str, code: int = 0) -> subprocess.CompletedProcess[str]:
     """Run the installed command."""
     script = Path(sys.executable).parent / "kinesics"
     done = subprocess.run([str(script), *arguments], capture_output=True, text=True, check=False)
-    assert done.returncode == code, f"kinesics {' '.join(arguments)}: exit {done.returncode}\n{done.stdout}\n{done.stderr}"
+    assert done.returncode == code, (
+        f"kinesics {' '.join(arguments)}: exit {done.returncode}\n{done.stdout}\n{done.stderr}"
+    )
     return done
 
 
