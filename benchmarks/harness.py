@@ -53,6 +53,7 @@ def in_turn(rivals: Mapping[str, Callable[[], Any]], repeats: int = 5) -> dict[s
         call()
     for _ in range(repeats):
         for name, call in rivals.items():
+            time.sleep(0.2)  # the idle threads of some libraries spin for a while and would slow whoever comes next
             began = time.perf_counter()
             call()
             samples[name].append(time.perf_counter() - began)

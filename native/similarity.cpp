@@ -6,6 +6,7 @@
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <memory>
 #include <new>
@@ -32,6 +33,9 @@ using Floats2 = nb::ndarray<float, nb::shape<-1, -1>, nb::c_contig, nb::device::
 struct AlignedDelete {
     void operator()(float *p) const { ::operator delete[](p, std::align_val_t(64)); }
 };
+
+// Packing fewer blocks takes a millisecond; waking threads on a busy machine can take longer.
+constexpr std::int64_t kThreadedBlocks = 1024;
 
 // Poses in the layout of pairs.hpp, float32, weights folded in.
 class Poses {
@@ -65,7 +69,7 @@ class Poses {
         const double *g = gravity.data();
         float *const out = blocks_.get();
         const std::int64_t frames = frames_;
-        parallel_for(blocks, blocks > 64 ? 0 : 1, [&](std::int64_t b) {
+        parallel_for(blocks, blocks > kThreadedBlocks ? 0 : 1, [&](std::int64_t b) {
             float *block = out + std::size_t(b) * kBlockFloats;
             for (int lane = 0; lane < kLanes; ++lane) {
                 const std::int64_t frame = b * kLanes + lane - lead;
@@ -131,8 +135,22 @@ std::int64_t tile_count(const Poses &poses) {
 
 float *data(const std::optional<Floats2> &array) { return array ? array->data() : nullptr; }
 
+// Makes the operating system give memory to rows [first, last) of a fresh matrix. Adding nothing, atomically, is safe beside
+// stores of other threads to the same page.
+void touch(float *out, std::int64_t frames, std::int64_t first, std::int64_t last) {
+    constexpr std::uintptr_t kPage = 4096;
+    const auto begin = reinterpret_cast<std::uintptr_t>(out + first * frames);
+    const auto end = reinterpret_cast<std::uintptr_t>(out + last * frames);
+    for (std::uintptr_t page = (begin + kPage - 1) & ~(kPage - 1); page < end; page += kPage)
+        reinterpret_cast<std::atomic<unsigned char> *>(page)->fetch_or(0, std::memory_order_relaxed);
+}
+
+// Tiles are numbered down the columns of the upper triangle: (0, 0), (0, 1), (1, 1), (0, 2) ... so that column J first
+// writes to row band J. Where the matrices are fresh, giving them memory takes as long as filling them: it is a task of its
+// own for each band, two bands ahead, so that one thread waits for memory while another computes, and no two threads ask for
+// the same page at once.
 void similarity_tiles(const Poses &poses, Floats2 z, std::optional<Floats2> z_mirror, double beta, std::int64_t first,
-                      std::int64_t last, const std::string &path, int threads) {
+                      std::int64_t last, bool fresh, const std::string &path, int threads) {
     const Packed packed = poses.packed();
     const auto n = std::size_t(packed.frames);
     if (z.shape(0) != n || z.shape(1) != n || (z_mirror && (z_mirror->shape(0) != n || z_mirror->shape(1) != n)) ||
@@ -141,16 +159,31 @@ void similarity_tiles(const Poses &poses, Floats2 z, std::optional<Floats2> z_mi
     const Kernels &kernels = choose(path);
     Job job{packed, packed, z.data(), data(z_mirror), packed.frames, true, float(-beta * 1.4426950408889634), false};
     job.stream = packed.frames * packed.frames * std::int64_t(sizeof(float)) > kStreamBytes;
-    std::vector<std::pair<std::int64_t, std::int64_t>> tiles;
-    tiles.reserve(std::size_t(std::max<std::int64_t>(0, last - first)));
-    const std::int64_t rows = tile_rows(packed);
+
+    constexpr std::int64_t kAhead = 2;
+    constexpr std::int64_t kTouch = -1;
+    std::vector<std::pair<std::int64_t, std::int64_t>> tasks;
+    tasks.reserve(std::size_t(std::max<std::int64_t>(0, last - first)));
+    const std::int64_t bands = tile_rows(packed);
     std::int64_t k = 0;
-    for (std::int64_t I = 0; I < rows; k += rows - I, ++I)
-        for (std::int64_t J = I + std::max<std::int64_t>(0, first - k); J < rows && k + J - I < last; ++J)
-            tiles.emplace_back(I, J);
+    for (std::int64_t J = 0; J < bands; k += J + 1, ++J) {
+        if (fresh && job.stream && k >= first && k < last)
+            for (std::int64_t band = J == 0 ? 0 : J + kAhead; band <= J + kAhead && band < bands; ++band)
+                tasks.emplace_back(kTouch, band);
+        for (std::int64_t I = std::max<std::int64_t>(0, first - k); I <= J && k + I < last; ++I) tasks.emplace_back(I, J);
+    }
     nb::gil_scoped_release release;
-    parallel_for(std::int64_t(tiles.size()), threads,
-                 [&](std::int64_t t) { kernels.symmetric_tile(job, tiles[std::size_t(t)].first, tiles[std::size_t(t)].second); });
+    parallel_for(std::int64_t(tasks.size()), threads, [&](std::int64_t t) {
+        const auto [I, J] = tasks[std::size_t(t)];
+        if (I != kTouch) {
+            kernels.symmetric_tile(job, I, J);
+            return;
+        }
+        const std::int64_t from = std::max<std::int64_t>(0, J * kTile - packed.lead);
+        const std::int64_t to = std::min(packed.frames, (J + 1) * kTile - packed.lead);
+        for (float *out : {job.out, job.out_mirror})
+            if (out != nullptr) touch(out, packed.frames, from, to);
+    });
 }
 
 void distances(const Poses &a, const Poses &b, Floats2 d, std::optional<Floats2> d_mirror, std::int64_t row_start,
@@ -189,7 +222,7 @@ void bind_similarity(nb::module_ &m) {
         .def_prop_ro("frames", &Poses::frames)
         .def_prop_ro("tile_count", &tile_count);
     m.def("similarity_tiles", &similarity_tiles, "poses"_a, "z"_a.noconvert(), "z_mirror"_a.noconvert().none(), "beta"_a,
-          "first"_a, "last"_a, "path"_a = "", "threads"_a = 0);
+          "first"_a, "last"_a, "fresh"_a = false, "path"_a = "", "threads"_a = 0);
     m.def("distances", &distances, "a"_a, "b"_a, "d"_a.noconvert(), "d_mirror"_a.noconvert().none(), "row_start"_a = 0,
           "column_start"_a = 0, "path"_a = "", "threads"_a = 0);
     m.def("paths", &paths);

@@ -26,6 +26,7 @@ def similarity_tiles(
     beta: float,
     first: int,
     last: int,
+    fresh: bool = False,
     path: str = "",
     threads: int = 0,
 ) -> None:

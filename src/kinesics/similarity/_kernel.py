@@ -119,9 +119,16 @@ def fill_distances(
 
 
 def fill_similarity(
-    poses: Packed, beta: float, z: Floats, z_mirror: Floats, path: str, progress: Progress | None
+    poses: Packed,
+    beta: float,
+    z: Floats,
+    z_mirror: Floats,
+    path: str,
+    *,
+    fresh: bool,
+    progress: Progress | None,
 ) -> None:
-    """Write Z = exp(−β D) and Z* = exp(−β D*), exactly symmetric."""
+    """Write Z = exp(−β D) and Z* = exp(−β D*), exactly symmetric. ``fresh``: nothing was ever written to the arrays."""
     report = progress or silent
     if isinstance(poses, _NumpyPoses):
         for start in range(0, poses.frames, _BLOCK_ROWS):
@@ -142,7 +149,7 @@ def fill_similarity(
         count = poses.tile_count
         for first in range(0, count, _CHUNK_TILES):
             report(first / count, "comparing all moments")
-            _native.similarity_tiles(poses, z, z_mirror, beta, first, min(first + _CHUNK_TILES, count), path)
+            _native.similarity_tiles(poses, z, z_mirror, beta, first, min(first + _CHUNK_TILES, count), fresh, path)
     report(1.0, "comparing all moments")
 
 

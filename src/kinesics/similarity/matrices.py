@@ -121,7 +121,7 @@ def similarity(
     value = default_beta(poses, share) if beta is None else float(beta)
     path = _kernel.chosen()
     packed = _kernel.pack(checked.quaternions, share, path, out=z)
-    _kernel.fill_similarity(packed, value, z, z_mirror, path, progress)
+    _kernel.fill_similarity(packed, value, z, z_mirror, path, fresh=out is None, progress=progress)
     return Similarity(z, z_mirror, value, rule, share, checked.fps)
 
 
