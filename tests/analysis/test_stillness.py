@@ -105,3 +105,22 @@ def test_weights_decide_what_counts_as_moving() -> None:
     assert find_stillness(poses, weights={link: 0.0 for link in kx.vocabulary.LINKS if "femur" not in link}) == [
         (0, 240)
     ]
+
+
+@pytest.mark.parametrize("movement", ["kata", "sun_salutation", "throw", "raise_arms", "stand"])
+def test_the_performer_s_holds_are_found(movement: str) -> None:
+    """Nine in ten of the holds that the performer made are covered in their middle, and nothing else is called still."""
+    performed = getattr(kx.performer, movement)(fps=30.0)
+    true = performed.truth.stillness
+    found = find_stillness(kx.poses(performed.motion))
+    covered = [any(a <= (r.start + r.end) // 2 < b for a, b in found) for r in true]
+    assert sum(covered) >= 0.9 * len(true)
+    assert all(any(a < r.end and r.start < b for r in true) for a, b in found)
+
+
+@pytest.mark.parametrize(
+    "movement", ["walk", "run", "jumping_jacks", "squat", "wave", "butterfly", "arm_circles", "twist"]
+)
+def test_the_performer_s_cycles_have_no_stillness(movement: str) -> None:
+    """Movement that goes on without a stop has no stay, though it turns and slows down."""
+    assert find_stillness(kx.poses(getattr(kx.performer, movement)().motion)) == []

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from kinesics.analysis import stillness as _stillness
 from kinesics.analysis import symmetric_states as _symmetric
-from kinesics.analysis.facts import Facts, Range, Source, Speed
+from kinesics.analysis.facts import Facts, Gap, Range, Source, Speed
 from kinesics.analysis.serial import decode, encode
-from kinesics.body import anatomy
+from kinesics.body import anatomy, quality
 from kinesics.body.motion import Motion
 from kinesics.body.pose import PoseSequence, poses
 from kinesics.errors import InputError
@@ -127,7 +127,8 @@ def analyze(
 
     report(0.9, "β")
     contrast = float(beta) if beta is not None else default_beta(joined(sequences), link_weights)
-    sources = tuple(_source(m, p) for m, p in zip(understood, sequences, strict=True))
+    doubts = [quality.inspect(m) for m in understood]
+    sources = tuple(_source(*parts) for parts in zip(understood, sequences, doubts, strict=True))
     parameters = {
         "beta_rule": BETA_RULE if beta is None else "given by the caller",
         "weights": [float(w) for w in link_weights],
@@ -150,6 +151,7 @@ def analyze(
         sources=sources,
         stillness=_ranges(still),
         symmetric_states=_ranges(symmetric),
+        gaps=tuple(gap for k, q in enumerate(doubts) for gap in _gaps(k, q)),
         speed=summarize_speed(speeds, [p.fps for p in sequences]),
         warnings=tuple(dict.fromkeys(w for s in sources for w in s.warnings)),
         motions=tuple(understood),
@@ -203,7 +205,7 @@ def _motions(motion: Motion | Sequence[Motion]) -> list[Motion]:
     return motions
 
 
-def _source(motion: Motion, sequence: PoseSequence) -> Source:
+def _source(motion: Motion, sequence: PoseSequence, doubts: quality.Quality) -> Source:
     origin = motion.source
     return Source(
         # names of folders are nobody's business but the user's
@@ -216,8 +218,14 @@ def _source(motion: Motion, sequence: PoseSequence) -> Source:
         duration_s=motion.duration,
         joints=motion.skeleton.joint_count,
         assumptions=tuple(dict.fromkeys((*motion.assumptions, *sequence.assumptions))),
-        warnings=motion.warnings,
+        warnings=tuple(dict.fromkeys((*motion.warnings, *doubts.sentences))),
     )
+
+
+def _gaps(source: int, doubts: quality.Quality) -> list[Gap]:
+    """Where frames are missing or do not belong: the whole body leaps, or the first or last frame stands apart."""
+    lost = sorted(doubts.of_kind("gap"), key=lambda f: (f.start, f.end))
+    return [Gap(source, f.start, f.end, f.sentence) for f in lost]
 
 
 def _ranges(per_source: Sequence[Sequence[tuple[int, int]]]) -> tuple[Range, ...]:

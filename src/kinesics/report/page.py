@@ -23,12 +23,13 @@ body { margin: 0 auto; max-width: 62rem; padding: 2rem 1.5rem 4rem; color: #1a1a
 h1 { font-size: 1.6rem; line-height: 1.2; margin: 0 0 .3rem; overflow-wrap: anywhere; }
 h2 { font-size: 1.15rem; margin: 2.6rem 0 .6rem; padding-top: .7rem; border-top: 1px solid #ddd; }
 p.lead { color: #555; margin: 0 0 1.4rem; }
-dl.numbers { display: flex; flex-wrap: wrap; gap: .6rem 2.2rem; margin: 0 0 1rem; }
-dl.numbers div { min-width: 6.5rem; }
+dl.numbers { display: flex; flex-wrap: wrap; gap: .6rem 1.6rem; margin: 0 0 1rem; }
+dl.numbers div { min-width: 5.2rem; }
 dl.numbers dt { color: #666; font-size: .8rem; }
 dl.numbers dd { margin: 0; font-size: 1.25rem; font-variant-numeric: tabular-nums; }
 figure { margin: 1rem 0 1.6rem; }
 figure img, figure svg { display: block; width: 100%; height: auto; }
+figure.narrow { max-width: 36rem; }
 figcaption { color: #555; font-size: .9rem; margin-top: .5rem; }
 table { border-collapse: collapse; font-size: .9rem; font-variant-numeric: tabular-nums; }
 th, td { text-align: left; padding: .25rem 1.2rem .25rem 0; border-bottom: 1px solid #eee; vertical-align: top;
@@ -54,9 +55,10 @@ def report_page(analysis: Analysis, pictures: Pictures, *, palette: str = "thesi
         _warnings(analysis),
         "<h2>All pairs of moments</h2>",
         _picture(
-            pictures.triangle, "Z/Z* turned by 45 degrees: time runs to the right, the lag between two moments upwards."
+            pictures.triangle,
+            "Z/Z* turned by 45 degrees: time runs to the right, the lag between two moments upwards.",
+            _how_to_read(analysis, palette),
         ),
-        f"<figcaption>{escape(_how_to_read(palette))}</figcaption>",
         _picture(pictures.square, "Z/Z*: each pixel compares two moments of the recording."),
         "<h2>Speed and symmetry</h2>",
         *(
@@ -68,7 +70,7 @@ def report_page(analysis: Analysis, pictures: Pictures, *, palette: str = "thesi
         _ranges(analysis, "Stillness", analysis.stillness, _stillness_words(analysis)),
         _ranges(analysis, "Symmetric states", analysis.symmetric_states, _symmetry_words(analysis)),
         "<h2>The path of the body</h2>",
-        _drawing(pictures.graph, "path", "The motion path in the symmetry basis."),
+        _drawing(pictures.graph, "path", "The motion path in the symmetry basis.", kind="narrow"),
         "<p>Every pose is a symmetric part (upwards) and an antisymmetric part (across). The path runs from dark (round "
         "mark) to light (square mark); in grey its mirror image. A symmetric pose lies on the middle line.</p>",
         "<h2>The recording</h2>",
@@ -115,12 +117,13 @@ def _warnings(analysis: Analysis) -> str:
     return f"<h2>Doubtful</h2><ul>{items}</ul>" if items else ""
 
 
-def _how_to_read(palette: str) -> str:
+def _how_to_read(analysis: Analysis, palette: str) -> str:
+    key = colour_key(palette)
+    figures = "" if len(analysis.sources) > 1 else " Beneath: each pose and, paler, the pose a sixth of a second later."
     return (
-        f"{colour_key(palette).capitalize()}. On the lower edge every moment meets itself: where that line is thin the body "
-        "moves fast, where it is white the pose is symmetric. Stripes along it are repetitions, stripes straight up from it are "
-        "movements taken back; in the colour of Z* they are so mirrored. Beneath: each pose and, paler, the pose a sixth of "
-        "a second later."
+        f"{key[0].upper()}{key[1:]}. On the lower edge every moment meets itself: where that line is thin the body moves fast, "
+        "where it is white the pose is symmetric. Stripes along it are repetitions, stripes straight up from it are movements "
+        f"taken back; in the colour of Z* they are so mirrored.{figures}"
     )
 
 
@@ -173,12 +176,13 @@ def _parameters(analysis: Analysis) -> str:
     return json.dumps(values, ensure_ascii=False, indent=1)
 
 
-def _picture(png: bytes, words: str) -> str:
+def _picture(png: bytes, words: str, caption: str = "") -> str:
     data = base64.b64encode(png).decode("ascii")
-    return f'<figure><img alt="{escape(words)}" src="data:image/png;base64,{data}"></figure>'
+    below = f"<figcaption>{escape(caption)}</figcaption>" if caption else ""
+    return f'<figure><img alt="{escape(words)}" src="data:image/png;base64,{data}">{below}</figure>'
 
 
-def _drawing(svg: bytes, prefix: str, words: str) -> str:
+def _drawing(svg: bytes, prefix: str, words: str, *, kind: str = "wide") -> str:
     """An SVG file as part of the page: its ids are made its own, for ids are shared by a whole page."""
     text = svg.decode()
     text = text[text.index("<svg") :]
@@ -187,7 +191,7 @@ def _drawing(svg: bytes, prefix: str, words: str) -> str:
     # width and height in points would hold the drawing at one size; the viewBox is there
     head, tail = text.split(">", 1)
     head = re.sub(r'\s(width|height)="[^"]*"', "", head)
-    return f'<figure role="img" aria-label="{escape(words)}">{head}>{tail}</figure>'
+    return f'<figure class="{kind}" role="img" aria-label="{escape(words)}">{head}>{tail}</figure>'
 
 
 def _table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
