@@ -195,6 +195,17 @@ def test_joints_that_never_move_are_not_frozen() -> None:
     assert inspect(motion.replace(rotations=rotations)).findings == ()
 
 
+def test_an_animation_whose_joints_rest_between_keys_is_not_frozen() -> None:
+    """Where half the joints rest exactly now and then, none of them has failed."""
+    motion = moving()
+    rotations = motion.rotations.copy()
+    for j in range(1, len(NAMES), 2):
+        start = 20 * j
+        rotations[start + 100 :, j] = motion.rotations[start:-100, j]
+        rotations[start : start + 100, j] = motion.rotations[start, j]
+    assert inspect(motion.replace(rotations=rotations)).findings == ()
+
+
 def test_a_frozen_body_is_told() -> None:
     """All joints and the root exactly still for half a second."""
     motion = moving()

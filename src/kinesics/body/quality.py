@@ -53,6 +53,11 @@ EVENT_SECONDS: Final = 0.1
 """Leaps of one joint nearer than this in time are one event."""
 FROZEN_SECONDS: Final = 0.5
 """A moving joint that stands exactly still for longer is frozen."""
+RESTING_SHARE: Final = 0.01
+"""A joint that stands exactly still in a larger share of the frames rests."""
+RESTING_JOINTS: Final = 0.2
+"""If a larger share of the joints rest, the movement was drawn or made by a program, not measured, and none is frozen.
+"""
 FROZEN_BODY_SECONDS: Final = 0.2
 """The same for the whole body: living bodies are never exactly still."""
 REPEATED_SHARE: Final = 0.2
@@ -339,6 +344,10 @@ def _frozen(motion: Motion, steps: _Steps) -> list[Finding]:
     alive = ~whole
     share_moving = (~steps.still[alive]).mean(axis=0)
     labels = (*names, "the root's place")
+    ever = share_moving > 0.0
+    if np.mean(share_moving[ever] < 1.0 - RESTING_SHARE) > RESTING_JOINTS:
+        # drawn key by key or made by a program: there it is the rule that joints rest exactly
+        return out
     for j in np.nonzero(share_moving > 0.5)[0]:
         for a, b in _runs(steps.still[:, j] & alive):
             if b - a >= max(2.0, FROZEN_SECONDS * fps):
