@@ -203,6 +203,10 @@ def _to_metres_and_y_up(recording: Recording, source: Source, options: ReadOptio
         dataclasses.replace(s, offset=(s.offset[0] * scale, s.offset[1] * scale, s.offset[2] * scale))
         for s in skeleton.end_sites
     )
+    for array in (rotations, roots, shifts):
+        if array is not None:
+            # nobody else has it: a motion then keeps it as it is, and long recordings are not copied
+            array.setflags(write=False)
     return Motion(
         skeleton=skeleton.replace(offsets=skeleton.offsets * scale, end_sites=sites),
         rotations=rotations,

@@ -27,7 +27,9 @@ def rotations_of_columns(table: Array, columns: Sequence[Sequence[int]], orders:
     orders : for each joint the axes of its angles, an intrinsic sequence such as "ZXY", "X" or "".
     unit : radians in one unit of the table.
     """
-    out = quaternion.identity((len(table), len(orders)))
+    shape = (len(table), len(orders))
+    # every joint's rotation is filled in below, unless one has no angle
+    out = np.empty((*shape, 4)) if all(orders) else quaternion.identity(shape)
     alike: dict[str, list[int]] = {}
     for joint, order in enumerate(orders):
         if order:
