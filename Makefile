@@ -36,11 +36,11 @@ endif
 
 .PHONY: test
 test: $(VENV)/.installed $(VENV)/.tools ## all tests except the long ones; PYTEST_ARGS="-k similarity" for some
-	$(BIN)/python -m pytest -n $(WORKERS) $(PYTEST_ARGS)
+	$(BIN)/python -m pytest -n $(WORKERS) -rs $(PYTEST_ARGS)
 
 .PHONY: check-long
 check-long: $(VENV)/.installed $(VENV)/.tools ## the tests that search for minutes: fuzzing and many more examples
-	KINESICS_LONG=1 $(BIN)/python -m pytest -n $(WORKERS) $(PYTEST_ARGS)
+	KINESICS_LONG=1 $(BIN)/python -m pytest -n $(WORKERS) -rs $(PYTEST_ARGS)
 
 .PHONY: lint
 lint: $(VENV)/.installed $(VENV)/.tools ## style, format, types, and who may call whom
