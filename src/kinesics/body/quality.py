@@ -338,7 +338,10 @@ def _frozen(motion: Motion, steps: _Steps) -> list[Finding]:
         out.append(Finding("frozen", (), 0, motion.frame_count, float(repeated), "frames", text))
     for a, b in runs:
         if b - a >= max(2.0, FROZEN_BODY_SECONDS * fps):
-            text = f"The whole body is exactly still for {(b - a) / fps:.2f} s, {frames_text(a, b + 1)}."
+            text = (
+                f"The whole body is exactly still for {(b - a) / fps:.2f} s, {frames_text(a, b + 1)}: frames were repeated, "
+                "or a program made them."
+            )
             out.append(Finding("frozen", (), a, b + 1, (b - a) / fps, "s", text))
     # a joint that stands still half the time is animated by hand or at a stop, not frozen
     alive = ~whole

@@ -63,7 +63,8 @@ def inspect(motion: Motion, mapping: Mapping[str, Any] | None = None) -> dict[st
         "warnings": list(motion.warnings),
     }
     try:
-        body = anatomy.resolve(motion, mapping)
+        motion = anatomy.understood(motion, mapping)
+        body = anatomy.resolve(motion)
     except SkeletonError as error:
         facts["body"] = None
         facts["not_understood"] = {"reason": str(error), "found": error.found, "missing": list(error.missing)}
