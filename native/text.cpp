@@ -162,6 +162,7 @@ std::pair<Table, std::int64_t> parse_labelled(nb::bytes data, std::size_t start,
     {
         nb::gil_scoped_release release;
         const char *p = begin + (start < data.size() ? start : data.size());
+        const char *line = p;
         bool fresh_line = true;
         auto skip_blanks = [&] {
             while (p < end && is_blank(*p)) ++p;
@@ -170,11 +171,11 @@ std::pair<Table, std::int64_t> parse_labelled(nb::bytes data, std::size_t start,
             while (p < end) {
                 if (*p == '\n') {
                     fresh_line = true;
-                    ++p;
+                    line = ++p;
                 } else if (is_blank(*p)) {
                     ++p;
                 } else if (fresh_line && *p == '#') {
-                    p = skip_line(p, end);
+                    line = p = skip_line(p, end);
                 } else {
                     break;
                 }
@@ -213,7 +214,7 @@ std::pair<Table, std::int64_t> parse_labelled(nb::bytes data, std::size_t start,
             return true;
         };
         for (to_next_line(); p < end; to_next_line()) {
-            const char *first = p;
+            const char *first = line;
             const std::size_t before = values.size();
             if (before + columns > values.capacity() && before > 0) {
                 const std::size_t bytes_a_frame =

@@ -53,6 +53,8 @@ def test_rows_are_the_same_without_the_compiled_parser(content: str, columns: in
 
 @given(st.lists(st.one_of(pieces, st.just("1\nroot 1 2\nb 3\n")), max_size=12).map("".join))
 @example("1\nroot 1 2\nb 3 4\n")
+@example(" 1")
+@example("# a\n 1\n")
 @example("1 root 1 2\nb 3\n")
 @example("1\nroot 1 2 b 3\n")
 def test_labelled_frames_are_the_same_without_the_compiled_parser(content: str) -> None:
