@@ -59,4 +59,16 @@ def forward_kinematics(
 ) -> None:
     """Fill world orientations (frames, joints, 4) and positions (frames, joints, 3), whichever are given."""
 
+def cheapest_path(rows: _Floats, low: int, width: int, bend: float, out: NDArray[np.int64]) -> None:
+    """Fill ``out`` with the row, counted from ``low``, of the cheapest path through the band in each column."""
+
+def turning_costs(rows: _Floats, reach: int, bend: float, out: _Doubles) -> None:
+    """Fill ``out`` with the mean distance along the cheapest path outwards from each place, shape (2n − 1,)."""
+
 def __getattr__(name: str) -> Any: ...
+
+def parse_rows(data: bytes, start: int, columns: int) -> tuple[_Doubles, int]:
+    """Rows of numbers, one a line; and the byte where the first line begins that is not one, or −1."""
+
+def parse_labelled(data: bytes, start: int, labels: list[str], counts: list[int]) -> tuple[_Doubles, int]:
+    """Frames of labelled numbers; and the byte where the first frame begins that is not of this layout, or −1."""
