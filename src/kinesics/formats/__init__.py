@@ -52,7 +52,6 @@ LARGEST_FILE: Final = 1 << 30
 """Bytes. A gigabyte of text is more than two hours at 120 frames a second; reading it takes some five times its size."""
 
 _JUDGED_FRAMES = 64
-_FOLDER_HINT = "Give one file of it."
 
 
 def read(
@@ -153,7 +152,7 @@ def load(path: Path, most: int | None = None) -> bytes:
     try:
         status = path.stat()
         if stat.S_ISDIR(status.st_mode):
-            raise FileError(path, "Expected a file, but this is a folder.", hint=_FOLDER_HINT)
+            raise FileError(path, "Expected a file, but this is a folder.", hint="Give one file of it.")
         if not stat.S_ISREG(status.st_mode):
             raise FileError(path, "Expected a plain file, but this is a device or a pipe.")
         if most is None and status.st_size > LARGEST_FILE:
@@ -164,6 +163,8 @@ def load(path: Path, most: int | None = None) -> bytes:
             )
         with path.open("rb") as file:
             return file.read(-1 if most is None else most)
+    except FileError:
+        raise
     except FileNotFoundError:
         raise FileError(path, "There is no such file.") from None
     except (OSError, ValueError) as error:
