@@ -5,6 +5,7 @@ namespace nb = nanobind;
 
 void bind_similarity(nb::module_ &m);
 void bind_kinematics(nb::module_ &m);
+void bind_paths(nb::module_ &m);
 #ifdef KINESICS_TEXT
 void bind_text(nb::module_ &m);
 #endif
@@ -13,6 +14,7 @@ NB_MODULE(_native, m) {
     m.doc() = "Compiled kernels of kinesics; nothing here checks values, its callers do.";
     bind_similarity(m);
     bind_kinematics(m);
+    bind_paths(m);
 #ifdef KINESICS_TEXT
     bind_text(m);
 #endif

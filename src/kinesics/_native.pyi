@@ -44,6 +44,17 @@ def distances(
 ) -> None:
     """Fill D and D* between the frames of ``a`` and ``b`` from the given ones on (multiples of 16)."""
 
+def diagonal_sums(
+    a: Poses,
+    b: Poses,
+    length: int,
+    d: _Floats,
+    d_mirror: _Floats | None,
+    path: str = "",
+    threads: int = 0,
+) -> None:
+    """Fill sums of D and D* over ``length`` frames along diagonals."""
+
 def paths() -> list[str]:
     """Code paths this processor has, the fastest first."""
 

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.grammar import lags
 
-Array = NDArray[np.float64]
+Distances = NDArray[Any]
 
+SHORTEST_S: Final = 0.25
+"""Seconds of the shortest period looked for."""
+LONGEST_S: Final = 30.0
+"""Seconds of the longest period looked for, so that memory grows with the recording and not with its square."""
+LONGEST_SHARE: Final = 0.7
+"""Of the recording: the rest of it must show the return."""
 _STEP: Final = 1.06
 """Ratio of neighbouring trial lags: far finer than the band that each of them searches."""
-_LONGEST: Final = 0.7
-"""Of the recording: the rest of it must show the return."""
 _COVERED: Final = 0.25
 """A path must cover this share of the recording."""
 _RETURN: Final = 0.5
@@ -23,7 +27,12 @@ _AS_GOOD: Final = 0.12
 """Of the rise: a shorter lag within this of the best one is the period, the best one a multiple of it."""
 
 
-def find(distance: Array, *, shortest: float) -> lags.LagPath | None:
+def longest_lag(moments: int, fps: float) -> int:
+    """The longest lag looked at in a recording of so many moments."""
+    return max(1, int(min(LONGEST_SHARE * moments, LONGEST_S * fps)))
+
+
+def find(by_lag: Distances, *, shortest: float) -> lags.LagPath | None:
     """The path at the shortest lag after which the movement is the same, or None.
 
     A lag counts as a return when the movement went clearly away before it; medians over time, so that a beginning and an
@@ -31,13 +40,11 @@ def find(distance: Array, *, shortest: float) -> lags.LagPath | None:
 
     Parameters
     ----------
-    distance : D between all moments, shape (n, n).
-    shortest : shortest lag tried, frames.
+    by_lag : D of moments i and i + k in row k (`Moments.by_lag`), up to `longest_lag`.
+    shortest : shortest lag tried, moments.
     """
-    n = len(distance)
-    most = int(_LONGEST * n)
-    by_lag = lags.diagonals(distance, most)
-    bend = lags.bend_cost(distance)
+    most, n = len(by_lag) - 1, by_lag.shape[1]
+    bend = lags.bend_cost(by_lag)
     trials: list[lags.LagPath] = []
     lag = float(shortest)
     while lag < most / 1.05:
