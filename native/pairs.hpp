@@ -47,12 +47,27 @@ struct Job {
     bool stream;              // non-temporal stores
 };
 
+// Sums of D along diagonals: out(i, j) = sum over l < length of D(i + l, j + l), in parts of `side` x `side`.
+struct WindowJob {
+    Job pairs;  // lead 0; `out` has as many rows and columns as there are windows, row_stride columns
+    std::int64_t length;
+    std::int64_t side;  // a multiple of kTile
+    bool symmetric;     // a and b are the same: parts I <= J write both halves
+
+    // Rows and columns of D under one part, in whole blocks; three such squares are the scratch of a thread.
+    std::int64_t reach() const { return (side + length - 1 + kLanes - 1) / kLanes * kLanes; }
+    std::int64_t stride() const { return reach() + (reach() / kLanes % 2 == 0 ? kLanes : 0); }
+    std::size_t scratch_floats() const { return 3 * std::size_t(reach() * stride()); }
+};
+
 struct Kernels {
     const char *name;
     // Tile (I, J), I <= J, of a symmetric job (a and b the same): writes both halves.
     void (*symmetric_tile)(const Job &, std::int64_t I, std::int64_t J);
     // Tile (I, J) of a rectangular job.
     void (*tile)(const Job &, std::int64_t I, std::int64_t J);
+    // Part (I, J) of the sums along diagonals.
+    void (*windows)(const WindowJob &, std::int64_t I, std::int64_t J, float *scratch);
 };
 
 extern const Kernels kPortable;

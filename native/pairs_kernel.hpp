@@ -138,10 +138,9 @@ struct Pairs {
         for (; i < count; ++i) to[i] = from[i];
     }
 
-    static void transpose(const float *from, float *to) {
-        for (int r = 0; r < kTile; r += W)
-            for (int c = 0; c < kTile; c += W)
-                V::transpose(from + r * kScratchStride + c, to + c * kScratchStride + r, kScratchStride);
+    static void transpose(const float *from, float *to, int side, int stride) {
+        for (int r = 0; r < side; r += W)
+            for (int c = 0; c < side; c += W) V::transpose(from + r * stride + c, to + c * stride + r, stride);
     }
 
     // The span of tile I: first lane with a frame in it, and how many frames.
@@ -176,7 +175,7 @@ struct Pairs {
                 copy_row(out[m] + (rows.frame + r) * job.row_stride + columns.frame,
                          scratch[m] + (rows.skip + r) * kScratchStride + columns.skip, columns.count, job.stream);
             if (I == J) continue;
-            transpose(scratch[m], turned);
+            transpose(scratch[m], turned, kTile, kScratchStride);
             for (int c = 0; c < columns.count; ++c)
                 copy_row(out[m] + (columns.frame + c) * job.row_stride + rows.frame,
                          turned + (columns.skip + c) * kScratchStride + rows.skip, rows.count, job.stream);
@@ -199,7 +198,71 @@ struct Pairs {
         }
     }
 
-    static constexpr Kernels kernels(const char *name) { return {name, symmetric_tile, tile}; }
+    // to(i, j) = a(i, j) + b(i, j); `to` may be `a`, and b may lie ahead in it.
+    static inline void add_rows(float *to, const float *a, const float *b, std::int64_t rows, std::int64_t columns,
+                                std::int64_t stride) {
+        for (std::int64_t r = 0; r < rows; ++r, to += stride, a += stride, b += stride) {
+            std::int64_t c = 0;
+            for (; c + W <= columns; c += W)
+                V::store_unaligned(to + c, V::add(V::load_unaligned(a + c), V::load_unaligned(b + c)));
+            for (; c < columns; ++c) to[c] = a[c] + b[c];
+        }
+    }
+
+    // Turns D in `d` (rows x columns) into its sums over `length` along diagonals, by doubling: a window of 2k is two of k.
+    // Returns where they are: `d` itself, or `total` where the length is no power of two.
+    static const float *sum_diagonals(float *d, float *total, std::int64_t rows, std::int64_t columns, std::int64_t stride,
+                                      std::int64_t length) {
+        std::int64_t done = 0;  // frames already in `total`
+        for (std::int64_t power = 1;; power *= 2) {
+            // here d(i, j) holds the sum over `power` frames, for `power` - 1 fewer rows and columns than D
+            if (length & power) {
+                const float *part = d + done * (stride + 1);
+                const std::int64_t r = rows - done - power + 1, c = columns - done - power + 1;
+                if (done == 0 && power == length) return d;
+                if (done == 0) {
+                    for (std::int64_t i = 0; i < r; ++i) copy_row(total + i * stride, part + i * stride, c, false);
+                } else {
+                    add_rows(total, total, part, r, c, stride);
+                }
+                done += power;
+                if (done == length) return total;
+            }
+            add_rows(d, d, d + power * (stride + 1), rows - 2 * power + 1, columns - 2 * power + 1, stride);
+        }
+    }
+
+    static void windows(const WindowJob &job, std::int64_t I, std::int64_t J, float *scratch) {
+        const std::int64_t stride = job.stride(), reach = job.reach(), side = job.side;
+        const std::int64_t row0 = I * side, column0 = J * side;
+        auto within = [](std::int64_t a, std::int64_t b) { return a < b ? a : b; };
+        // pairs under this part, and windows in it
+        const std::int64_t rows = within(side + job.length - 1, job.pairs.a.frames - row0);
+        const std::int64_t columns = within(side + job.length - 1, job.pairs.b.frames - column0);
+        const std::int64_t out_rows = rows - job.length + 1, out_columns = columns - job.length + 1;
+        float *d = scratch, *dm = d + reach * stride, *spare = dm + reach * stride;
+        fill_any(job.pairs, row0, in_blocks(int(rows)), column0, in_blocks(int(columns)), int(stride), d,
+                 job.pairs.out_mirror ? dm : nullptr);
+        float *squares[2] = {d, dm};
+        float *out[2] = {job.pairs.out, job.pairs.out_mirror};
+        for (int m = 0; m < 2; ++m) {
+            if (out[m] == nullptr) continue;
+            if (job.symmetric && I == J && m == 0)
+                for (std::int64_t r = 0; r < rows; ++r) d[r * stride + r] = 0.f;
+            const float *sums = sum_diagonals(squares[m], spare, rows, columns, stride, job.length);
+            for (std::int64_t r = 0; r < out_rows; ++r)
+                copy_row(out[m] + (row0 + r) * job.pairs.row_stride + column0, sums + r * stride, out_columns,
+                         job.pairs.stream);
+            if (!job.symmetric || I == J) continue;
+            float *turned = sums == spare ? squares[m] : spare;
+            transpose(sums, turned, int(side), int(stride));
+            for (std::int64_t c = 0; c < out_columns; ++c)
+                copy_row(out[m] + (column0 + c) * job.pairs.row_stride + row0, turned + c * stride, out_rows,
+                         job.pairs.stream);
+        }
+    }
+
+    static constexpr Kernels kernels(const char *name) { return {name, symmetric_tile, tile, windows}; }
 };
 
 }  // namespace

@@ -213,6 +213,28 @@ void distances(const Poses &a, const Poses &b, Floats2 d, std::optional<Floats2>
     parallel_for(tile_rows(job.a) * across, threads, [&](std::int64_t t) { kernels.tile(job, t / across, t % across); });
 }
 
+// The larger the part, the less of D is computed twice; the smaller, the better it fits into the cache of one core.
+std::int64_t window_side(std::int64_t length) { return length <= 32 ? kTile : length <= 128 ? 2 * kTile : 4 * kTile; }
+
+void diagonal_sums(const Poses &a, const Poses &b, std::int64_t length, Floats2 d, std::optional<Floats2> d_mirror,
+                   const std::string &path, int threads) {
+    const std::int64_t rows = a.frames() - length + 1, columns = b.frames() - length + 1;
+    if (a.lead() != 0 || b.lead() != 0 || length < 1 || rows < 1 || columns < 1 || std::int64_t(d.shape(0)) != rows ||
+        std::int64_t(d.shape(1)) != columns ||
+        (d_mirror && (d_mirror->shape(0) != d.shape(0) || d_mirror->shape(1) != d.shape(1))))
+        throw std::invalid_argument("kinesics._native.diagonal_sums: shapes do not fit");
+    const Kernels &kernels = choose(path);
+    const bool stream = rows * columns * std::int64_t(sizeof(float)) > kStreamBytes;
+    const Job pairs{a.packed(), b.packed(), d.data(), data(d_mirror), columns, false, 0.f, stream};
+    const WindowJob job{pairs, length, window_side(length), &a == &b};
+    const std::int64_t down = (rows + job.side - 1) / job.side, across = (columns + job.side - 1) / job.side;
+    nb::gil_scoped_release release;
+    parallel_for(down, threads, [&](std::int64_t I) {
+        const std::unique_ptr<float[], AlignedDelete> scratch(new (std::align_val_t(64)) float[job.scratch_floats()]);
+        for (std::int64_t J = job.symmetric ? I : 0; J < across; ++J) kernels.windows(job, I, J, scratch.get());
+    });
+}
+
 }  // namespace
 
 void bind_similarity(nb::module_ &m) {
@@ -225,5 +247,7 @@ void bind_similarity(nb::module_ &m) {
           "first"_a, "last"_a, "fresh"_a = false, "path"_a = "", "threads"_a = 0);
     m.def("distances", &distances, "a"_a, "b"_a, "d"_a.noconvert(), "d_mirror"_a.noconvert().none(), "row_start"_a = 0,
           "column_start"_a = 0, "path"_a = "", "threads"_a = 0);
+    m.def("diagonal_sums", &diagonal_sums, "a"_a, "b"_a, "length"_a, "d"_a.noconvert(), "d_mirror"_a.noconvert().none(),
+          "path"_a = "", "threads"_a = 0);
     m.def("paths", &paths);
 }

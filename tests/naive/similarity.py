@@ -52,3 +52,14 @@ def speed(poses, fps, weights=None):
     """√(2D)/Δt; entry 0 repeats entry 1."""
     steps = [math.sqrt(2.0 * pose_distance(p, q, weights)) * fps for p, q in itertools.pairwise(poses)]
     return np.array([steps[0], *steps]) if steps else np.zeros(1)
+
+
+def diagonal_sums(d, length, reverse=False):
+    """Sum of d[i + k, j + k] (reversed: d[i + k, j + length − 1 − k]) over k < length."""
+    rows, columns = len(d) - length + 1, len(d[0]) - length + 1
+    out = np.zeros((rows, columns))
+    for i in range(rows):
+        for j in range(columns):
+            for k in range(length):
+                out[i, j] += d[i + k][j + length - 1 - k if reverse else j + k]
+    return out

@@ -2,6 +2,7 @@
 
 - two sets of poses: `distance` (D), `mirror_distance` (D*), `chord` (√(2D), the metric)
 - all moments of a recording: `similarity` (Z and Z*), `default_beta`; `tiles` where N×N would not fit
+- stretches of movement: `diagonal_sums`
 - frame by frame: `paired_distance`, `speed`, `symmetry_residual`
 
 The compiled kernels do the work where they were built; the environment variable ``KINESICS_KERNEL`` forces a code path
@@ -17,14 +18,17 @@ from kinesics.similarity._inputs import check_weights
 from kinesics.similarity.matrices import BETA_RULE, Similarity, default_beta, similarity
 from kinesics.similarity.metric import chord, distance, mirror_distance, paired_distance, speed, symmetry_residual
 from kinesics.similarity.tiling import Tile, tiles
+from kinesics.similarity.windows import DiagonalSums, diagonal_sums
 
 __all__ = [
     "BETA_RULE",
+    "DiagonalSums",
     "Similarity",
     "Tile",
     "check_weights",
     "chord",
     "default_beta",
+    "diagonal_sums",
     "distance",
     "mirror_distance",
     "paired_distance",

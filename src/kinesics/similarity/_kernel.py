@@ -118,6 +118,29 @@ def fill_distances(
     _native.distances(a, b, d, d_mirror, row_start, column_start, path)
 
 
+def fill_diagonal_sums(a: Packed, b: Packed, length: int, d: Floats, d_mirror: Floats, path: str) -> None:
+    """Write the sums of D and D* over ``length`` frames along diagonals."""
+    if isinstance(a, _NumpyPoses):
+        assert isinstance(b, _NumpyPoses)
+        image = b.mirror()
+        for start in range(0, len(d), _BLOCK_ROWS):
+            end = min(start + _BLOCK_ROWS, len(d))
+            rows = a.part(slice(start, end + length - 1))
+            band = np.empty((rows.frames, b.frames), dtype=np.float32)
+            for out, columns in ((d, b), (d_mirror, image)):
+                _numpy_distances(rows, columns, band)
+                if out is d and a is b:
+                    np.fill_diagonal(band[:, start:], 0.0)
+                part = out[start:end]
+                part[:] = 0.0
+                for k in range(length):
+                    part += band[k : k + len(part), k : k + part.shape[1]]
+        return
+    assert isinstance(a, _native.Poses)
+    assert isinstance(b, _native.Poses)
+    _native.diagonal_sums(a, b, length, d, d_mirror, path)
+
+
 def fill_similarity(
     poses: Packed,
     beta: float,
