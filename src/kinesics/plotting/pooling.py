@@ -67,8 +67,7 @@ def pool_maximum(matrix: ArrayLike, size: int) -> Float32:
     if len(values) <= size:
         return values
     starts = bin_starts(len(values), size)
-    by_rows = np.maximum.reduceat(values, starts, axis=0)
-    return np.asarray(np.maximum.reduceat(by_rows, starts, axis=1))
+    return _blocks(np.maximum, values, starts, starts)
 
 
 def pooled_similarity(
@@ -112,7 +111,7 @@ def pooled_similarity(
         rows, row_edges = _bins_within(starts, tile.rows)
         columns, column_edges = _bins_within(starts, tile.columns)
         for out, d in ((nearest, tile.d), (nearest_mirror, tile.d_mirror)):
-            least = np.minimum.reduceat(np.minimum.reduceat(d, row_edges, axis=0), column_edges, axis=1)
+            least = _blocks(np.minimum, d, row_edges, column_edges)
             np.minimum(out[rows, columns], least, out=out[rows, columns])
     for out in (nearest, nearest_mirror):
         np.minimum(out, out.T.copy(), out=out)
@@ -126,3 +125,12 @@ def _bins_within(starts: NDArray[np.intp], frames: slice) -> tuple[slice, NDArra
     first = int(np.searchsorted(starts, frames.start, side="right")) - 1
     last = int(np.searchsorted(starts, frames.stop, side="left"))
     return slice(first, last), np.maximum(starts[first:last] - frames.start, 0)
+
+
+def _blocks(best: np.ufunc, matrix: Float32, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Float32:
+    """The best value of each block; blocks begin at the given rows and columns.
+
+    Along contiguous memory twice, with a turn between: across rows `reduceat` is up to fifteen times slower.
+    """
+    by_columns = best.reduceat(matrix, columns, axis=1)
+    return np.asarray(best.reduceat(np.ascontiguousarray(by_columns.T), rows, axis=1).T)
