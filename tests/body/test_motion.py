@@ -59,6 +59,8 @@ def far_apart(a: Motion, b: Motion) -> float:
         ({"joint_translations": np.ones((12, 2, 3))}, r"`joint_translations` of shape \(12, 3, 3\), got \(12, 2, 3\)"),
         ({"joint_translations": np.full((12, 3, 3), np.nan)}, "`joint_translations` is not finite"),
         ({"rotations": np.zeros((12, 3, 4))}, "not zero"),
+        ({"root_positions": np.eye(12, 3, -2) * 1e200}, r"root lies 1e\+200 m away in frame 2, beyond any length"),
+        ({"joint_translations": np.full((12, 3, 3), 1e13)}, r"`joint_translations` reaches 1e\+13 m"),
     ],
 )
 def test_each_fault_is_named(changes: dict[str, Any], message: str) -> None:
@@ -179,6 +181,12 @@ def test_resampling_one_frame_or_to_the_same_rate_changes_nothing() -> None:
     assert build(frames=1).resample(30.0).frame_count == 1
     assert build(frames=1).resample(30.0).fps == 30.0
     assert_array_equal(build().resample(120.0).rotations, build().rotations)
+
+
+def test_resampling_to_more_frames_than_memory_holds_is_refused() -> None:
+    """A slip of the keyboard does not stop the machine."""
+    with pytest.raises(InputError, match=r"1e\+15 frames a second would make 9.17e\+13 frames of 12"):
+        build().resample(1e15)
 
 
 @pytest.mark.parametrize("fps", [0.0, -1.0, float("nan"), float("inf")])

@@ -7,10 +7,13 @@ import zipfile
 from pathlib import Path
 from typing import Any
 
+import hypothesis.strategies as st
 import numpy as np
 import pytest
+from hypothesis import given
 
 from kinesics import formats
+from kinesics.body import limits
 from kinesics.body.motion import Motion, reverse
 from kinesics.body.quality import KINDS, MOST_SENTENCES, Quality, estimated_stature, inspect
 from kinesics.body.skeleton import EndSite, Skeleton
@@ -382,3 +385,25 @@ def test_no_wolf_in_another_studios_recordings(shared_data: Path, tmp_path: Path
     told = {name: inspect(formats.read(tmp_path / name)).sentences for name in names}
     assert len(told) > 15
     assert {name: sentences for name, sentences in told.items() if sentences} == {}
+
+
+@given(
+    st.integers(1, 40),
+    st.integers(1, 12),
+    st.sampled_from([1.0, 29.97, 120.0, 1e6]),
+    st.sampled_from([0.0, 1e-300, 1.0, 1e9, 1e11]),
+    st.integers(0, 2**32 - 1),
+)
+def test_nothing_makes_it_fail(frames: int, joints: int, fps: float, size: float, seed: int) -> None:
+    """Any lawful motion, however absurd, is looked at without an error or a warning, and said to be finite figures."""
+    rng = np.random.default_rng(seed)
+    parents = (-1, *(int(rng.integers(0, j)) for j in range(1, joints)))
+    skeleton = Skeleton(tuple(f"j{j}" for j in range(joints)), parents, size * rng.normal(size=(joints, 3)))
+    rotations = quaternion.normalize(rng.normal(size=(frames, joints, 4)))
+    if seed % 3 == 0:
+        rotations[:] = rotations[0]
+    motion = Motion(skeleton, rotations, size * rng.normal(size=(frames, 3)), fps)
+    quality = inspect(motion)
+    assert len(quality.sentences) <= MOST_SENTENCES
+    assert all(np.isfinite(f.figure) and 0 <= f.start < f.end <= frames for f in quality.findings)
+    assert limits.free_space(motion).frame_count == frames

@@ -36,6 +36,8 @@ def build(**changes: Any) -> Skeleton:
         ({"parents": (-1, 0, -1, 0)}, r"'right_knee' \(number 2\) has parent -1"),
         ({"joint_names": ("hips", "knee", "knee", "chest")}, "doubled: knee"),
         ({"freedoms": (JointFreedom(),)}, "Expected 4 freedoms, got 1"),
+        ({"offsets": OFFSETS * 1e200}, r"offset of joint 'right_knee' is 5e\+199 m, beyond any length"),
+        ({"end_sites": (EndSite(2, (0.0, 1e200, 0.0)),)}, "end site hangs on joint 2"),
         ({"end_sites": (EndSite(7, (0.0, 0.0, 0.0)),)}, "end site hangs on joint 7"),
         ({"end_sites": (EndSite(1, (0.0, float("nan"), 0.0)),)}, "end site hangs on joint 1"),
     ],

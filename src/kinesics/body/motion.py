@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.body import kinematics
-from kinesics.body.skeleton import Skeleton
+from kinesics.body.skeleton import LONGEST, Skeleton
 from kinesics.errors import InputError
 from kinesics.geometry import quaternion
 
@@ -45,7 +45,8 @@ class Motion:
     Raises
     ------
     InputError
-        If shapes disagree, a value is not finite, there is no frame, or the frame rate is not positive.
+        If shapes disagree, a value is not finite or beyond any length, there is no frame, or the frame rate is not
+        positive.
     """
 
     skeleton: Skeleton
@@ -82,6 +83,11 @@ class Motion:
             if not np.isfinite(values.sum()) and not np.isfinite(values).all():
                 frame = int(np.argmax(~np.isfinite(values.reshape(len(values), -1)).all(axis=1)))
                 raise InputError(f"`{label}` is not finite in frame {frame}.")
+        if np.abs(roots).max() > LONGEST:
+            frame = int(np.argmax(np.abs(roots).max(axis=1)))
+            raise InputError(
+                f"The root lies {np.abs(roots[frame]).max():.3g} m away in frame {frame}, beyond any length."
+            )
         norm = np.einsum("fji,fji->fj", rotations, rotations)
         if not np.all(np.abs(norm - 1.0) < 1e-6):
             rotations = _frozen(quaternion.normalize(rotations))
@@ -96,6 +102,8 @@ class Motion:
                 )
             if not np.isfinite(shifts).all():
                 raise InputError("`joint_translations` is not finite.")
+            if np.abs(shifts).max() > LONGEST:
+                raise InputError(f"`joint_translations` reaches {np.abs(shifts).max():.3g} m, beyond any length.")
             object.__setattr__(self, "joint_translations", shifts)
 
     @property
@@ -166,13 +174,17 @@ class Motion:
         Raises
         ------
         InputError
-            If ``fps`` is not positive.
+            If ``fps`` is not positive, or so high that the motion would have more than a hundred million frames.
         """
         if not (np.isfinite(fps) and fps > 0):
             raise InputError(f"Expected a frame rate above 0, got {fps}.")
         if fps == self.fps or self.frame_count == 1:
             return self.replace(fps=fps)
         last = self.frame_count - 1
+        if last / self.fps * fps > 1e8:
+            raise InputError(
+                f"{fps:g} frames a second would make {last / self.fps * fps:.3g} frames of {self.frame_count}."
+            )
         # the tolerance keeps the last frame where the quotient falls short of a whole number by rounding
         times = np.arange(int(np.floor(last / self.fps * fps + 1e-9)) + 1) * (self.fps / fps)
         left = np.minimum(np.floor(times + 1e-9).astype(np.intp), last)

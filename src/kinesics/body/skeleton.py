@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+LONGEST = 1e12
+"""Metres. What is longer is no length of a body or a place but a damaged number, and its squares would overflow."""
+
 
 @dataclass(frozen=True)
 class EndSite:
@@ -84,6 +87,9 @@ class Skeleton:
         if not np.all(np.isfinite(offsets)):
             bad = self.joint_names[int(np.argmax(~np.isfinite(offsets).all(axis=1)))]
             raise InputError(f"The offset of joint '{bad}' is not finite.")
+        if np.abs(offsets).max() > LONGEST:
+            bad = self.joint_names[int(np.argmax(np.abs(offsets).max(axis=1)))]
+            raise InputError(f"The offset of joint '{bad}' is {np.abs(offsets).max():.3g} m, beyond any length.")
         offsets.setflags(write=False)
         object.__setattr__(self, "offsets", offsets)
         object.__setattr__(self, "parents", tuple(int(p) for p in self.parents))
@@ -105,7 +111,7 @@ class Skeleton:
         if len(self.freedoms) != count:
             raise InputError(f"Expected {count} freedoms, got {len(self.freedoms)}.")
         for site in self.end_sites:
-            if not 0 <= site.parent < count or not np.all(np.isfinite(site.offset)):
+            if not 0 <= site.parent < count or not np.all(np.abs(site.offset) <= LONGEST):
                 raise InputError(f"An end site hangs on joint {site.parent} with offset {site.offset}.")
 
     @property
