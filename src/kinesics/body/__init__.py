@@ -4,4 +4,5 @@
 - `kinesics.body.kinematics`: from joint rotations to positions
 - `kinesics.body.anatomy`: which joint is which link, and in which frame
 - `kinesics.body.pose`: the 15 quaternions, their mirror, the parts S and A
+- `kinesics.body.quality`, `kinesics.body.limits`: what looks wrong in a recording, and what a body cannot do (C_free)
 """
