@@ -146,6 +146,10 @@ def similarity_triangle(
     # a pixel is one cell wide and two lags high: with an aspect of one half it is square
     height = 2.0 * shape[0] * extent / shape[1]
     ax.imshow(image, origin="lower", extent=(0.0, extent, 0.0, height), interpolation="nearest", aspect=0.5)
+    # a white signal that reaches the edge would run out into the paper
+    ax.plot([0.0, extent / 2.0, extent], [0.0, extent, 0.0], color=canvas.FAINT, linewidth=0.8, clip_on=False)
+    ax.set_xlim(0.0, extent)
+    ax.set_ylim(0.0, height)
     unit = "s" if layers.fps else "frames"
     ax.set_xlabel(f"time $(t_i + t_j)/2$ ({unit})", fontsize=11)
     ax.set_ylabel(f"lag $t_j - t_i$ ({unit})", fontsize=11)
