@@ -259,7 +259,7 @@ def test_text_that_is_no_recording(tmp_path) -> None:
 
 def test_things_that_are_no_files(tmp_path) -> None:
     """A folder, nothing at all, a device that never ends, a name that cannot be."""
-    with pytest.raises(FileError, match="^[^:]*: Expected a file, but this is a folder. Give one file of it.$"):
+    with pytest.raises(FileError, match=r"^[^:]*: Expected a file, but this is a folder. Give one file of it.$"):
         kx.read(tmp_path)
     with pytest.raises(FileError, match="no such file"):
         kx.read(tmp_path / "none.bvh")
