@@ -23,7 +23,7 @@ import kinesics as kx
 from harness import Table, data_folder, in_turn, main
 from kinesics.body import pose
 from kinesics.geometry import quaternion
-from kinesics.similarity import _kernel
+from kinesics.similarity import _kernel, diagonal_sums
 from kinesics.vocabulary import MIRROR_LINKS
 from peer import Peer, PeerMissingError
 
@@ -77,7 +77,7 @@ def poses(count: int) -> tuple[np.ndarray, str]:
     return quaternion.from_rotvec(angles), "a smooth random movement (the real recordings are not here)"
 
 
-def gemm_a_joint(q: np.ndarray, z: np.ndarray, z_mirror: np.ndarray) -> Callable[[], None]:
+def gemm_a_joint(q: np.ndarray, z: np.ndarray, z_mirror: np.ndarray, *, exponential: bool = True) -> Callable[[], None]:
     """NumPy: one matrix product a joint, modulus, sum, exponential; whole matrices, nothing allocated twice."""
     links = np.ascontiguousarray(np.swapaxes(q, 0, 1)[1:], dtype=np.float32)
     images = links[[m - 1 for m in MIRROR_LINKS[1:]]] * np.array([1, 1, -1, -1], dtype=np.float32)
@@ -92,7 +92,9 @@ def gemm_a_joint(q: np.ndarray, z: np.ndarray, z_mirror: np.ndarray) -> Callable
                 np.matmul(mine, other.T, out=product)
                 np.add(out, np.abs(product, out=product), out=out)
             np.subtract(np.float32(1.0), np.multiply(out, np.float32(1 / 15), out=out), out=out)
-            np.exp(np.multiply(np.maximum(out, 0.0, out=out), np.float32(-BETA), out=out), out=out)
+            np.maximum(out, 0.0, out=out)
+            if exponential:
+                np.exp(np.multiply(out, np.float32(-BETA), out=out), out=out)
 
     return job
 
@@ -193,6 +195,32 @@ def fresh(q: np.ndarray) -> Table:
     )
 
 
+def windows(q: np.ndarray, length: int = 8) -> Table:
+    """Sums of D and D* over short stretches, along diagonals."""
+    n = len(q)
+    d, d_mirror = np.zeros((2, n, n), dtype=np.float32)
+    sums = np.zeros((2, n - length + 1, n - length + 1), dtype=np.float32)
+    distances = gemm_a_joint(q, d, d_mirror, exponential=False)
+
+    def plain() -> None:
+        distances()
+        for total, part in zip(sums, (d, d_mirror), strict=True):
+            np.copyto(total, part[: len(total), : len(total)])
+            for k in range(1, length):
+                total += part[k : k + len(total), k : k + len(total)]
+
+    into = tuple(np.zeros_like(sums))
+    label = "NumPy, one GEMM a joint and shifted sums"
+    times = in_turn({"ours": lambda: diagonal_sums(q, length=length, out=into), label: plain})
+    ours = times["ours"]
+    return Table(
+        f"Sums of D and D* along diagonals, L = {length}, N = {n:,} (target ≥ 30x NumPy: {times[label] / ours:.0f}x)",
+        ("way", "seconds", "against ours"),
+        [[name, ms(t), f"{t / ours:.1f}x"] for name, t in times.items()],
+        ("Both write into arrays that are there.",),
+    )
+
+
 def growth(q: np.ndarray, sizes: Sequence[int]) -> Table:
     """How time grows with the number of frames, arrays reused."""
     jobs: dict[str, Callable[[], Any]] = {}
@@ -265,6 +293,7 @@ def run() -> list[Table]:
         reused(q[:10_000], source),
         fresh(q[:5_000]),
         code_paths(q[:3_000]),
+        windows(q[:10_000]),
         memory(q[:10_000]),
         growth(q, [5_000, 10_000, 20_000]),
     ]

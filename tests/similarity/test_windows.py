@@ -88,3 +88,18 @@ def test_refuses_lengths_that_do_not_fit(rng):
     for length in (0, 6):
         with pytest.raises(InputError, match=f"between 1 and 5, the shorter recording; got {length}"):
             diagonal_sums(a, b, length=length)
+
+
+@pytest.mark.parametrize("reverse", [False, True])
+def test_writes_into_out(rng, kernel, reverse):
+    """The given arrays hold the result; of another shape they are refused."""
+    a, b = random_poses(rng, 40), random_poses(rng, 31)
+    d, d_mirror = np.full((2, 36, 27), np.nan, dtype=np.float32)
+    found = diagonal_sums(a, b, length=5, reverse=reverse, out=(d, d_mirror))
+    assert np.shares_memory(found.d, d)
+    assert np.shares_memory(found.d_mirror, d_mirror)
+    fresh = diagonal_sums(a, b, length=5, reverse=reverse)
+    np.testing.assert_array_equal(found.d, fresh.d)
+    np.testing.assert_array_equal(found.d_mirror, fresh.d_mirror)
+    with pytest.raises(InputError, match=r"`out` d to be a float32 array of shape \(35, 26\), got float32 \(36, 27\)"):
+        diagonal_sums(a, b, length=6, out=(d, d_mirror))

@@ -13,6 +13,7 @@ from kinesics.errors import InputError
 from kinesics.vocabulary import LINKS, MIRROR_LINKS
 
 Array = NDArray[np.float64]
+Floats = NDArray[np.float32]
 Poses = PoseSequence | ArrayLike
 Weights = Mapping[str, float] | ArrayLike
 
@@ -106,3 +107,28 @@ def check_weights(weights: Weights | None) -> Array:
             f"Left and right `weights` must be equal, or D* is not symmetric; they differ for {', '.join(uneven)}."
         )
     return out
+
+
+def check_outputs(
+    shape: tuple[int, int], out: tuple[Floats, Floats] | None, names: tuple[str, str]
+) -> tuple[Floats, Floats]:
+    """The pair of arrays to write into: the given ones, or fresh ones.
+
+    Raises
+    ------
+    InputError
+        If they are not two float32 arrays of that shape, C-contiguous, writeable and apart.
+    """
+    if out is None:
+        return np.empty(shape, dtype=np.float32), np.empty(shape, dtype=np.float32)
+    if not isinstance(out, tuple | list) or len(out) != 2:
+        raise InputError(f"Expected `out` to be the pair ({', '.join(names)}).")
+    for name, array in zip(names, out, strict=True):
+        if not isinstance(array, np.ndarray) or array.dtype != np.float32 or array.shape != shape:
+            came = f"{array.dtype} {array.shape}" if isinstance(array, np.ndarray) else type(array).__name__
+            raise InputError(f"Expected `out` {name} to be a float32 array of shape {shape}, got {came}.")
+        if not array.flags.c_contiguous or not array.flags.writeable:
+            raise InputError(f"Expected `out` {name} to be C-contiguous and writeable.")
+    if np.may_share_memory(*out):
+        raise InputError(f"Expected `out` {names[0]} and {names[1]} not to overlap.")
+    return out[0], out[1]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from kinesics.errors import InputError
 from kinesics.progress import Progress
 from kinesics.similarity import _kernel
-from kinesics.similarity._inputs import Poses, Weights, check_poses, check_weights
+from kinesics.similarity._inputs import Poses, Weights, check_outputs, check_poses, check_weights
 
 Array = NDArray[np.float64]
 Floats = NDArray[np.float32]
@@ -116,32 +116,15 @@ def similarity(
     if beta is not None and not (math.isfinite(beta) and beta > 0):
         raise InputError(f"Expected `beta` above 0, got {beta}.")
     frames = len(checked.quaternions)
-    z, z_mirror = _outputs(frames, out)
+    if out is None:
+        _check_memory(frames)
+    z, z_mirror = check_outputs((frames, frames), out, ("z", "z_mirror"))
     rule = BETA_RULE if beta is None else "given by the caller"
     value = default_beta(poses, share) if beta is None else float(beta)
     path = _kernel.chosen()
     packed = _kernel.pack(checked.quaternions, share, path, out=z)
     _kernel.fill_similarity(packed, value, z, z_mirror, path, fresh=out is None, progress=progress)
     return Similarity(z, z_mirror, value, rule, share, checked.fps)
-
-
-def _outputs(frames: int, out: tuple[Floats, Floats] | None) -> tuple[Floats, Floats]:
-    """The given arrays, checked, or fresh ones."""
-    if out is None:
-        _check_memory(frames)
-        return np.empty((frames, frames), dtype=np.float32), np.empty((frames, frames), dtype=np.float32)
-    if not isinstance(out, tuple | list) or len(out) != 2:
-        raise InputError("Expected `out` to be the pair (z, z_mirror).")
-    for name, array in zip(("z", "z_mirror"), out, strict=True):
-        if not isinstance(array, np.ndarray) or array.dtype != np.float32 or array.shape != (frames, frames):
-            came = f"{array.dtype} {array.shape}" if isinstance(array, np.ndarray) else type(array).__name__
-            raise InputError(f"Expected `out` {name} to be a float32 array of shape {(frames, frames)}, got {came}.")
-        if not array.flags.c_contiguous or not array.flags.writeable:
-            raise InputError(f"Expected `out` {name} to be C-contiguous and writeable.")
-    z, z_mirror = out
-    if np.may_share_memory(z, z_mirror):
-        raise InputError("Expected `out` z and z_mirror not to overlap.")
-    return z, z_mirror
 
 
 def _check_memory(frames: int) -> None:
