@@ -343,6 +343,21 @@ def test_progress_of_similarity(rng, kernel):
         similarity(random_poses(rng, 300), progress=stop)
 
 
+def test_work_in_small_pieces_gives_the_same(rng, monkeypatch):
+    """However the tiles are cut into pieces between looks at Ctrl-C, every element is written, and with the same bits."""
+    q = random_poses(rng, 1000)
+    whole = similarity(q, beta=2.0)
+    monkeypatch.setattr(_kernel, "_FIRST_TILES", 5)
+    monkeypatch.setattr(_kernel, "_CHUNK_SECONDS", 1e-9)
+    arrays = np.full((2, 1000, 1000), np.nan, dtype=np.float32)
+    seen = []
+    similarity(q, beta=2.0, out=tuple(arrays), progress=lambda fraction, message="": seen.append(fraction))
+    np.testing.assert_array_equal(arrays[0], whole.z)
+    np.testing.assert_array_equal(arrays[1], whole.z_mirror)
+    assert seen == sorted(seen)
+    assert seen[-1] == 1.0
+
+
 class TestChoiceOfCodePath:
     """How a code path is forced."""
 

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import os
+import time
 from typing import Final, Protocol
 
 import numpy as np
@@ -26,8 +27,10 @@ Floats = NDArray[np.float32]
 
 LANES: Final = 16
 """Parts of a matrix start at multiples of this many frames."""
-_CHUNK_TILES: Final = 4096
-"""Tiles (128 × 128) between two calls of `progress`, and so between two looks at Ctrl-C: about a tenth of a second."""
+_FIRST_TILES: Final = 1024
+"""Tiles (128 × 128) before the first call of `progress`, and so the first look at Ctrl-C."""
+_CHUNK_SECONDS: Final = 0.2
+"""About how long the work goes on between two such looks."""
 _BLOCK_ROWS: Final = 256
 
 
@@ -170,9 +173,14 @@ def fill_similarity(
     else:
         assert isinstance(poses, _native.Poses)
         count = poses.tile_count
-        for first in range(0, count, _CHUNK_TILES):
+        first, chunk = 0, _FIRST_TILES
+        while first < count:
             report(first / count, "comparing all moments")
-            _native.similarity_tiles(poses, z, z_mirror, beta, first, min(first + _CHUNK_TILES, count), fresh, path)
+            began = time.perf_counter()
+            last = min(first + chunk, count)
+            _native.similarity_tiles(poses, z, z_mirror, beta, first, last, fresh, path)
+            took = max(time.perf_counter() - began, 1e-6)
+            first, chunk = last, max(16, int((last - first) * min(_CHUNK_SECONDS / took, 8.0)))
     report(1.0, "comparing all moments")
 
 
