@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
-
-from kinesics.errors import FileError
 
 if TYPE_CHECKING:
     from kinesics.body.motion import Motion
@@ -68,7 +65,7 @@ class Reading:
     up: str | None = None
     fps: float | None = None
 
-    def mapping(self) -> Mapping[str, Any] | None:
+    def mapping(self) -> Mapping[str, object] | None:
         """The mapping file as a table.
 
         Raises
@@ -76,7 +73,9 @@ class Reading:
         FileError
             If it is missing or no TOML.
         """
-        return None if self.map is None else read_mapping(self.map)
+        from kinesics import formats
+
+        return None if self.map is None else formats.read_mapping(self.map)
 
     def read(self, file: Path) -> Motion:
         """Read a recording the way the user says.
@@ -91,25 +90,3 @@ class Reading:
         return formats.read(
             file, skeleton=self.skeleton, unit=self.unit, up=self.up, fps=self.fps, mapping=self.mapping()
         )
-
-
-def read_mapping(path: Path) -> Mapping[str, Any]:
-    """A mapping file: TOML with a table ``[joints]`` of role = "joint name" (see `kinesics.body.anatomy.resolve`).
-
-    Raises
-    ------
-    FileError
-        If it is missing or no TOML.
-    """
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise FileError(path, f"The mapping file cannot be read: {error.strerror}.") from error
-    except UnicodeDecodeError as error:
-        raise FileError(path, "The mapping file is not text in UTF-8.") from error
-    except tomllib.TOMLDecodeError as error:
-        raise FileError(
-            path,
-            f"The mapping file is not TOML: {error}.",
-            hint='Expected lines such as left_femur = "Hip_L" under [joints].',
-        ) from error

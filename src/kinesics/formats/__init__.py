@@ -1,6 +1,7 @@
 """Recordings of movement in files: read to a `Motion`, written from one.
 
 - `read`, `write`: any format; the content decides which one it is
+- `read_mapping`: which joint is what, by the user's word
 - `formats`, `readable`, `writable`: which there are
 - `kinesics.formats.registry`: what a new format must bring
 """
@@ -43,6 +44,7 @@ __all__ = [
     "Written",
     "formats",
     "read",
+    "read_mapping",
     "readable",
     "writable",
     "write",
@@ -141,6 +143,26 @@ def write(motion: Motion, path: str | PathLike[str], *, overwrite: bool = False)
     return written.remarks
 
 
+def read_mapping(path: str | PathLike[str]) -> Mapping[str, object]:
+    """A mapping file: TOML with a table ``[joints]`` of role = "joint name" (see `kinesics.body.anatomy.resolve`).
+
+    Raises
+    ------
+    FileError
+        If it cannot be read or is not TOML.
+    """
+    import tomllib
+
+    path = _as_path(path)
+    try:
+        table: dict[str, object] = tomllib.loads(load(path).decode("utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise FileError(
+            path, f"This is not TOML: {error}.", hint='Expected lines such as left_femur = "Hip_L" under [joints].'
+        ) from None
+    return table
+
+
 def load(path: Path, most: int | None = None) -> bytes:
     """The bytes of a file, or its first ``most``.
 
@@ -232,17 +254,7 @@ def _as_path(path: Any) -> Path:
 
 def _as_mapping(mapping: Mapping[str, object] | str | PathLike[str]) -> Mapping[str, object]:
     """Roles to joint names: as given, or of a TOML file; a table ``[joints]`` is opened."""
-    table: Mapping[str, object]
-    if isinstance(mapping, Mapping):
-        table = mapping
-    else:
-        import tomllib
-
-        path = _as_path(mapping)
-        try:
-            table = tomllib.loads(load(path).decode("utf-8"))
-        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-            raise FileError(path, f"This is not TOML: {error}.") from None
+    table = mapping if isinstance(mapping, Mapping) else read_mapping(mapping)
     joints = table.get("joints")
     if isinstance(joints, Mapping):
         return {**{k: v for k, v in table.items() if k != "joints"}, **joints}
