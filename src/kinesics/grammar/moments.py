@@ -108,6 +108,16 @@ class Moments:
         d[same - first, same - second] = 0.0
         return d, mirror_distance(a, b, self.weights)
 
+    def thinned(self, index: NDArray[np.intp]) -> tuple[Floats, Floats]:
+        """D and D* between the moments of an index, all pairs."""
+        if self.dense is not None:
+            return self.dense[0][np.ix_(index, index)], self.dense[1][np.ix_(index, index)]
+        assert self.poses is not None
+        q = self.poses.quaternions[index]
+        d = distance(q, q, self.weights)
+        np.fill_diagonal(d, 0.0)
+        return d, mirror_distance(q, q, self.weights)
+
     def block(self, start: int = 0, end: int | None = None) -> tuple[Floats, Floats]:
         """D and D* of all pairs of moments in [start, end).
 

@@ -13,7 +13,7 @@ Distances = NDArray[Any]
 
 SHORTEST_S: Final = 0.25
 """Seconds of the shortest period looked for."""
-LONGEST_S: Final = 30.0
+LONGEST_S: Final = 40.0
 """Seconds of the longest period looked for, so that memory grows with the recording and not with its square."""
 LONGEST_SHARE: Final = 0.7
 """Of the recording: the rest of it must show the return."""

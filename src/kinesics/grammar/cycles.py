@@ -1,0 +1,182 @@
+"""The cycles of a cyclic movement, one by one ([Schultz2012] §3.2.4, §3.5).
+
+A cycle begins at the slowest moment of the movement and ends where the same moment comes again. Within it, left and right are
+compared: the phase is by how much of the cycle the right side comes after the left, less the half that alternating sides are
+apart anyway; 0 for an even walk as for a jumping jack.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinesics.geometry import quaternion
+from kinesics.grammar.moments import Moments
+from kinesics.vocabulary import LINKS
+
+Array = NDArray[np.float64]
+Distances = NDArray[Any]
+
+PHASES: Final = 48
+"""Moments at which a cycle is sampled to compare its sides."""
+_LIMBS: Final = tuple(i for i, name in enumerate(LINKS) if name.startswith("left_"))
+_OTHERS: Final = tuple(LINKS.index("right_" + LINKS[i][5:]) for i in _LIMBS)
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """One repetition."""
+
+    start: int
+    """Source frame of its slowest moment."""
+    end: int
+    """Source frame at which the next one begins."""
+    period_s: float
+    phase: float | None
+    """By how much the right side follows the left, as a fraction of the cycle in (−½, ½], less ½ where the sides alternate."""
+    mirror_residual: float | None
+    """What the mirror (at the best shift) leaves over, against the movement's range; without the constant bias."""
+
+
+@dataclass(frozen=True)
+class Stability:
+    """How alike the cycles are."""
+
+    period_deviation: float
+    """Standard deviation of the periods over their mean."""
+    residual: float
+    """Distance of neighbouring cycles along the path, over the movement's range: 0 for a machine."""
+
+
+def fractional_lags(by_lag: Distances, lags: NDArray[np.intp]) -> Array:
+    """The lags of a path, finer than a moment: the vertex of the parabola through each cost and its neighbours'.
+
+    Smoothed over a tenth of the lag, for the cost is flat where the movement is slow. Shape (len(lags),).
+    """
+    t = np.arange(len(lags))
+    inner = (lags > 0) & (lags < len(by_lag) - 1)
+    k = np.clip(lags, 1, len(by_lag) - 2)
+    low, mid, high = (by_lag[k + s, t].astype(np.float64) for s in (-1, 0, 1))
+    bend = low - 2.0 * mid + high
+    good = inner & np.isfinite(bend) & (bend > 0.0)
+    shift = np.zeros(len(lags))
+    shift[good] = np.clip(0.5 * (low[good] - high[good]) / bend[good], -0.5, 0.5)
+    weight = np.where(good, bend, 0.0) + 1e-12
+    width = max(3, int(0.1 * float(np.median(lags))) | 1)
+    window = np.ones(width)
+    values = (lags + shift) * weight
+    return np.asarray(np.convolve(values, window, "same") / np.convolve(weight, window, "same"))
+
+
+def boundaries(speed: Array, lags: Array, noise_speed: float = 0.0) -> Array:
+    """Beginnings of the cycles, fractional moments from the stretch's start; the last one ends the last cycle.
+
+    Parameters
+    ----------
+    speed : of each moment of the stretch.
+    lags : from each moment to the same one a period later (`fractional_lags`), shorter than the stretch by about a period.
+    noise_speed : speed that the noise alone gives.
+    """
+    n = len(speed)
+    tau = float(np.mean(lags))
+    moving = np.sqrt(np.maximum(speed**2 - noise_speed**2, 0.0))
+    width = max(1, int(tau / 16)) | 1
+    smooth = np.convolve(np.pad(moving, width // 2, mode="edge"), np.ones(width) / width, "valid")
+
+    def later(t: float) -> float:
+        return t + float(np.interp(t, np.arange(len(lags)), lags))
+
+    # where, over all cycles, the movement is slowest: chains from each phase of the first period
+    candidates = np.arange(int(np.ceil(tau)))
+    chains = []
+    for c in candidates:
+        chain = [float(c)]
+        while (following := later(chain[-1])) <= n - 1 and following > chain[-1]:
+            chain.append(following)
+        chains.append(np.array(chain))
+    cost = [float(np.interp(c, np.arange(n), smooth).mean()) for c in chains]
+    return chains[int(np.argmin(cost))]
+
+
+def find(
+    moments: Moments,
+    start: int,
+    end: int,
+    by_lag: Distances,
+    lags: NDArray[np.intp],
+    range_: float,
+    *,
+    alternating: bool,
+) -> tuple[tuple[Cycle, ...], float]:
+    """The cycles of a stretch, and its period in seconds (the mean of the cycles where there are two).
+
+    Parameters
+    ----------
+    by_lag : D by lag of the stretch.
+    lags : path of the period.
+    range_ : what residuals are measured against, in units of D.
+    alternating : whether the sides do the same half a period apart.
+    """
+    fine = fractional_lags(by_lag, lags)
+    noise_speed = float(np.sqrt(2.0 * moments.noise)) * moments.fps
+    cuts = boundaries(moments.speed[start:end], fine, noise_speed)
+    found = []
+    for a, b in zip(cuts[:-1], cuts[1:], strict=True):
+        phase, residual = _sides(moments, start + a, start + b, alternating=alternating)
+        ratio = moments.source_fps / moments.fps
+        found.append(
+            Cycle(
+                int(min(round((start + a) * ratio), moments.source_frames - 1)),
+                int(min(round((start + b) * ratio), moments.source_frames)),
+                float(b - a) / moments.fps,
+                phase,
+                None if residual is None else max(residual - moments.noise, 0.0) / max(range_, 1e-12),
+            )
+        )
+    return tuple(found), float(fine.mean()) / moments.fps
+
+
+def stability(cycles: tuple[Cycle, ...], residual: float | None) -> Stability | None:
+    """How alike the cycles are; None for fewer than two."""
+    if len(cycles) < 2 or residual is None:
+        return None
+    periods = np.array([c.period_s for c in cycles])
+    return Stability(float(periods.std() / periods.mean()), residual)
+
+
+def _sides(moments: Moments, start: float, end: float, *, alternating: bool) -> tuple[float | None, float | None]:
+    """Phase of right against left, and mean D* at the best shift, of one cycle."""
+    at = start + np.arange(PHASES) / PHASES * (end - start)
+    index = np.minimum(np.round(at).astype(np.intp), moments.count - 1)
+    _, mirrored = moments.thinned(index)
+    own = np.array([float(np.mean(_shifted_diagonal(mirrored, s))) for s in range(PHASES)])
+    centre = PHASES // 2 if alternating else 0
+    if moments.poses is None:
+        return None, float(own[_near(centre)].min())
+    q = moments.poses.quaternions[index]
+    cost = np.zeros(PHASES)
+    for left, right in zip(_LIMBS, _OTHERS, strict=True):
+        alike = np.abs(q[:, left] @ quaternion.mirror(q[:, right]).T)
+        # cost[s]: right at phase p + s against left at phase p
+        cost += np.array([1.0 - float(np.mean(_shifted_diagonal(alike, s))) for s in range(PHASES)])
+    near = _near(centre)
+    best = int(near[int(np.argmin(cost[near]))])
+    low, mid, high = cost[best - 1], cost[best], cost[(best + 1) % PHASES]
+    bend = low - 2.0 * mid + high
+    if bend <= 1e-12 or cost.max() - cost.min() < 1e-6:
+        return None, float(own[near].min())
+    fine = best + float(np.clip(0.5 * (low - high) / bend, -0.5, 0.5)) - centre
+    return float((fine / PHASES + 0.5) % 1.0 - 0.5), float(own[near].min())
+
+
+def _near(centre: int) -> NDArray[np.intp]:
+    """Shifts within a quarter of a cycle of one."""
+    return np.asarray((centre + np.arange(-(PHASES // 4), PHASES // 4 + 1)) % PHASES)
+
+
+def _shifted_diagonal(matrix: Distances, shift: int) -> Distances:
+    rows = np.arange(len(matrix))
+    return matrix[rows, (rows + shift) % len(matrix)]

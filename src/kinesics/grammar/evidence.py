@@ -1,0 +1,285 @@
+"""Evidence for the symmetries of a movement: what each leaves over, against the movement's own range.
+
+A residual is the mean D (or D*) along the path on which the symmetry would make it 0, less the sensor's noise, over 1.3 times
+the mean D between all moments of the same window: 0 is exact, about 1 is what unrelated moments of the same movement give.
+Windows are one period long and half a period apart, and medians over the windows decide, so that what is not of the cycle (a
+hand raised before it waves) does not.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinesics.grammar import lags, period
+from kinesics.grammar.moments import Moments
+
+Array = NDArray[np.float64]
+Distances = NDArray[Any]
+
+RANGE: Final = 1.3
+"""Times the mean distance within a window: about the 75th percentile, and steadier."""
+_CALM: Final = 0.03
+"""A window with less than this share of the liveliest windows' range is still,"""
+_SWAY: Final = 4e-4
+"""and so is one with no more than this range, beyond the noise: joints that stay within 5° r.m.s. of each other."""
+_CYCLING: Final = 0.35
+"""Where the period leaves more than this in a window, the window is not of the cycle."""
+_GLIDE_BAND: Final = 0.3
+_NARROW: Final = 0.15
+_RECURRED: Final = 0.3
+"""A moment has its return when the residual of the period is below this."""
+_ONCE_MOMENTS: Final = 600
+"""Moments of a movement made once that are compared all with all; of a longer one every other, third, … is taken."""
+_EDGE: Final = 0.01
+"""Share of the way at either end of a movement that is left out as stillness."""
+
+
+@dataclass(frozen=True)
+class Residuals:
+    """What each symmetry leaves over; None where it does not apply. The smaller, the better it holds."""
+
+    period: float | None = None
+    mirror: float | None = None
+    """Mirrored at once."""
+    glide: float | None = None
+    """Mirrored after half a period."""
+    reverse: float | None = None
+    mirror_reverse: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class CyclicEvidence:
+    """What speaks for the symmetries of a movement that repeats itself."""
+
+    residuals: Residuals
+    path: lags.LagPath
+    """From each moment of the stretch to the same one a period later."""
+    glide_path: lags.LagPath | None
+    period: float
+    """Moments."""
+    repeats: float
+    """How many periods long the moving part is."""
+    coverage: float
+    """Share of the moving moments that return a period later."""
+    turn_speed: float | None
+    """Speed at the best reversals over the mean speed: 0 at a true turning."""
+    range: float
+    """1.3 times the mean distance within windows: what residuals are measured against."""
+
+
+@dataclass(frozen=True, eq=False)
+class SingleEvidence:
+    """What speaks for the symmetries of a movement made once."""
+
+    residuals: Residuals
+    start: int
+    """First and last (exclusive) moment of the movement itself, within the stretch."""
+    end: int
+    turn_speed: float | None
+    range: float
+
+
+def cyclic(
+    moments: Moments, start: int, end: int, by_lag: tuple[Distances, Distances], path: lags.LagPath
+) -> CyclicEvidence:
+    """Residuals of the symmetries of a cycle.
+
+    Parameters
+    ----------
+    by_lag : D and D* of the stretch by lag (`Moments.by_lag`), up to a period at least.
+    path : of the period (`kinesics.grammar.period.find`).
+    """
+    d, mirrored = by_lag
+    n, noise = end - start, moments.noise
+    tau = float(np.mean(path.lags))
+    bend = lags.bend_cost(d)
+    reach = max(2, round(tau / 2))
+    glide = lags.follow(mirrored, tau / 2, bend=bend, band=_GLIDE_BAND)
+    turning = lags.turning(d, reach, bend=bend).costs
+    mirrored_turning = lags.turning(mirrored, reach, bend=bend).costs
+    at_once = mirrored[0]
+    speed = _without_noise(moments, start, end)
+
+    width = min(n, max(3, round(tau)))
+    starts = np.unique(
+        np.linspace(0, n - width, max(1, int(np.ceil(2.0 * (n - width) / width)) + 1)).round().astype(int)
+    )
+    ranges = np.array([RANGE * _window_mean(d, a, width) for a in starts])
+    ranges = np.maximum(ranges - RANGE * noise, 1e-12)
+    still = max(_CALM * float(np.quantile(ranges, 0.9)), min(_SWAY, 0.5 * float(ranges.max())))
+    held = np.array([_held(path.costs, a, width) for a in starts]) - noise
+    cycling = (ranges > still) & (held < _CYCLING * ranges)
+    if not cycling.any():
+        cycling = ranges > still
+    found: dict[str, list[float]] = {name: [] for name in ("period", "mirror", "glide", "reverse", "both", "turn")}
+    for a, full in zip(starts[cycling], ranges[cycling], strict=True):
+        b = a + width
+
+        def share(cost: float, full: float = float(full)) -> float:
+            return max(cost - noise, 0.0) / full
+
+        if a < len(path.costs):
+            found["period"].append(share(float(path.costs[a:b].mean())))
+        found["mirror"].append(share(float(at_once[a:b].mean())))
+        if glide is not None and a < len(glide.costs):
+            found["glide"].append(share(float(glide.costs[a:b].mean())))
+        places = turning[2 * a : 2 * b - 1]
+        if np.isfinite(places).any():
+            best = int(np.argmin(places))
+            found["reverse"].append(share(float(places[best])))
+            centre = a + best // 2
+            found["turn"].append(_slowest(speed, centre) / max(float(speed[a + 1 : b].mean()), 1e-9))
+        places = mirrored_turning[2 * a : 2 * b - 1]
+        if np.isfinite(places).any():
+            found["both"].append(share(float(places.min())))
+
+    medians = {name: float(np.median(values)) if values else None for name, values in found.items()}
+    local = np.interp(np.arange(len(path.costs)), starts + width / 2.0, ranges)
+    returned = (path.costs - noise < _RECURRED * local) & (local > still)
+    moving = _extent(moments, start, end)
+    inside = np.zeros(len(path.costs), dtype=np.bool_)
+    inside[moving[0] : moving[1]] = True
+    moving_there = float((inside & (local > still)).sum())
+    coverage = float((returned & inside).sum()) / moving_there if moving_there else 0.0
+    return CyclicEvidence(
+        Residuals(medians["period"], medians["mirror"], medians["glide"], medians["reverse"], medians["both"]),
+        path,
+        glide,
+        tau,
+        (moving[1] - moving[0]) / tau,
+        coverage,
+        medians["turn"],
+        float(np.median(ranges[cycling])),
+    )
+
+
+def _held(costs: Array, start: int, width: int) -> float:
+    """Mean cost of the period's path over a window, inf where it does not reach."""
+    part = costs[start : start + width]
+    return float(part.mean()) if len(part) else np.inf
+
+
+def single(moments: Moments, start: int, end: int) -> SingleEvidence | None:
+    """Residuals of the symmetries of a movement made once; None where nothing moves.
+
+    Stillness before and after is left out, moments are weighted by the way travelled, and the whole is compared with its own
+    reverse by dynamic time warping from both ends inwards.
+    """
+    n = end - start
+    if n < 5:
+        return None
+    way = _way(moments, start, end)
+    if way.sum() <= 0.0:
+        return None
+    a, b = _extent(moments, start, end)
+    stride = -(-(b - a) // _ONCE_MOMENTS)
+    index = np.arange(a, b, stride)
+    if len(index) < 5:
+        return None
+    weight = np.array([part.sum() for part in np.split(way[a:b], index[1:] - a)])
+    weight /= weight.sum()
+    span = slice(start + a, start + b)
+    if stride == 1:
+        d, mirrored = moments.tile(span, span)
+    else:
+        d, mirrored = moments.thinned(index + start)
+    pairs = d[np.triu_indices(len(index), 1)]
+    full = float(np.quantile(pairs, 0.75)) - moments.noise
+    if full <= 0.0:
+        return None
+
+    def residual(cost: float) -> float:
+        return max(cost - moments.noise, 0.0) / full
+
+    reverse, centre = _folded(d, weight)
+    both, _ = _folded(mirrored, weight)
+    speed = _without_noise(moments, start, end)[index]
+    mean_speed = float((speed * weight).sum())
+    return SingleEvidence(
+        Residuals(
+            mirror=residual(float((np.diagonal(mirrored) * weight).sum())),
+            reverse=residual(reverse),
+            mirror_reverse=residual(both),
+        ),
+        start=int(a),
+        end=int(b),
+        turn_speed=_slowest(speed, centre) / mean_speed if mean_speed > 0.0 else None,
+        range=full,
+    )
+
+
+def _without_noise(moments: Moments, start: int, end: int) -> Array:
+    """Speed without what the noise adds to it: squares are subtracted, averaged over three steps so that few fall below 0."""
+    squared = moments.speed[start:end] ** 2
+    smooth = np.convolve(np.pad(squared, 1, mode="edge"), np.ones(3) / 3.0, "valid")
+    return np.sqrt(np.maximum(smooth - 2.0 * moments.noise * moments.fps**2, 0.0))
+
+
+def _slowest(speed: Array, centre: int) -> float:
+    return float(speed[max(0, centre - 2) : centre + 3].min())
+
+
+def _way(moments: Moments, start: int, end: int) -> Array:
+    """Way travelled in each step, without noise and without the crawling of the calmest tenth."""
+    way = _without_noise(moments, start, end) / moments.fps
+    if len(way) > 1:
+        way[0] = 0.0
+        crawl = min(float(np.quantile(way[1:], 0.1)), 0.1 * float(np.quantile(way[1:], 0.9)))
+        way = np.maximum(way - 2.0 * crawl, 0.0)
+    return way
+
+
+def _extent(moments: Moments, start: int, end: int) -> tuple[int, int]:
+    """First and last (exclusive) moment of the stretch between which nearly all of the way is travelled."""
+    way = _way(moments, start, end)
+    total = float(way.sum())
+    if total <= 0.0:
+        return 0, end - start
+    share = np.cumsum(way) / total
+    first = max(0, int(np.searchsorted(share, _EDGE)) - 2)
+    last = min(end - start, int(np.searchsorted(share, 1.0 - _EDGE)) + 3)
+    return first, last
+
+
+def _window_mean(by_lag: Distances, start: int, width: int) -> float:
+    """Mean distance between all moments of a window, from distances by lag; each with itself included, as 0."""
+    width = min(width, len(by_lag) + 1, by_lag.shape[1] - start)
+    total = 0.0
+    for k in range(1, min(width, len(by_lag))):
+        total += 2.0 * float(by_lag[k, start : start + width - k].sum())
+    return total / (width * width)
+
+
+def _folded(distance: Distances, weight: Array) -> tuple[float, int]:
+    """The cheapest path from (first, last) inwards to the identity axis, mean distance by way travelled; and where it ends."""
+    n = len(distance)
+    cells = distance[:, ::-1].astype(np.float64)  # (i from the front, j from the back)
+    back = weight[::-1]
+    cost = np.full((n, n), np.inf)
+    cost[0, 0] = cells[0, 0] * (weight[0] + back[0])
+    for s in range(1, n):
+        i = np.arange(s + 1)
+        j = s - i
+        best = np.full(s + 1, np.inf)
+        best[1:] = cost[i[1:] - 1, j[1:]] + cells[i[1:], j[1:]] * weight[i[1:]]
+        best[:-1] = np.minimum(best[:-1], cost[i[:-1], j[:-1] - 1] + cells[i[:-1], j[:-1]] * back[j[:-1]])
+        cost[i, j] = best
+    i = np.arange(n)
+    ends = cost[i, n - 1 - i]
+    centre = int(np.argmin(ends))
+    return float(ends[centre]), centre
+
+
+def find_period(moments: Moments, start: int, end: int) -> tuple[tuple[Distances, Distances], lags.LagPath | None]:
+    """D and D* of the stretch by lag, and the path of the shortest period in it, if there is one."""
+    most = period.longest_lag(end - start, moments.fps)
+    by_lag = moments.by_lag(most, start, end)
+    path = period.find(by_lag[0], shortest=max(3.0, period.SHORTEST_S * moments.fps))
+    if path is not None:
+        # the search looked from trial lags with a wide band; a narrow one about what it found reaches further
+        path = lags.follow(by_lag[0], path.lag, bend=lags.bend_cost(by_lag[0]), band=_NARROW) or path
+    return by_lag, path
