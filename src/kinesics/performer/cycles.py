@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -108,13 +109,19 @@ class Tempo:
         """Phase at given seconds: smooth and rising, k at boundary k."""
         if self.exact:
             return np.asarray(times / (self.boundaries[1] - self.boundaries[0]))
-        return np.asarray(PchipInterpolator(self.boundaries, np.arange(len(self.boundaries)))(times))
+        return np.asarray(self._curve(times))
+
+    @cached_property
+    def _curve(self) -> PchipInterpolator:
+        return PchipInterpolator(self.boundaries, np.arange(len(self.boundaries)))
 
     def time(self, phase: float) -> float:
         """Seconds at which a phase is reached."""
         if self.exact:
             return float(phase * (self.boundaries[1] - self.boundaries[0]))
         whole = float(np.interp(phase, np.arange(len(self.boundaries)), self.boundaries))
+        if phase == int(phase):
+            return whole
         low, high = whole - self._longest, whole + self._longest
         for _ in range(60):  # bisection: the clock is monotone
             middle = 0.5 * (low + high)

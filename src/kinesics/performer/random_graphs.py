@@ -143,17 +143,17 @@ class _Builder:
                 break
         else:
             raise _NoRoomError
-        if image is None or image.label == path.label or self.rng.random() > 0.8:
-            if image is not None and image.label != path.label:
-                path = dataclasses.replace(path, mirror_of=None)
+        if image is None or image.label == path.label:
             self.paths.append(path)
+        elif self.rng.random() < 0.8:
+            self.paths += [dataclasses.replace(path, mirror_of=image.label), image]
         else:
-            self.paths += [path, image]
+            self.paths.append(path)
 
     def _draft(self, from_: str, to: str) -> KeyPath:
         rng = self.rng
         a, b = self.states[from_], self.states[to]
-        symmetric = a.symmetric and b.symmetric and rng.random() < 0.5
+        symmetric = a.symmetric and b.symmetric and rng.random() < 0.7
         count = int(rng.integers(1, 3)) if from_ != to else 2
         via: list[Array] = []
         for k in range(count):

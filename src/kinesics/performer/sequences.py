@@ -126,10 +126,10 @@ def _sun_graph(amplitude: float) -> KeyGraph:
         shoulder_elevate=-84, elbow=10, pronate=60,
     )  # fmt: skip
     support = posture(STANDING, shoulder_elevate=-88, pronate=90, wrist=75, hip_abduct=2, hip_rotate=0, plant=0, knee=2)
-    plank = posture(support, pelvis_pitch=71.1, elbow=2, shoulder_flex=74, hip_flex=0, ankle=25, neck_bend=-8)
+    plank = posture(support, pelvis_pitch=71.6, elbow=7, shoulder_flex=72, hip_flex=0, ankle=25, neck_bend=-8)
     low = posture(support, pelvis_pitch=83.0, elbow=82, shoulder_flex=2, hip_flex=0, ankle=22, neck_bend=-14)
     up_dog = posture(
-        support, pelvis_pitch=67.5, hip_flex=-13, elbow=4, shoulder_flex=8, ankle=-45, trunk_bend=-58, neck_bend=-22
+        support, pelvis_pitch=67.9, hip_flex=-13.3, elbow=12, shoulder_flex=4, ankle=-45, trunk_bend=-58, neck_bend=-22
     )
     # one leg back, then the other: hands and the foot that stands stay where they are
     first_back = posture(

@@ -52,7 +52,7 @@ class Conditions(TypedDict, total=False):
     - ``facing_degrees``: heading at the start, turned to the left from +z
     - ``route``: "straight", "circle" (to the left, 3 m radius), or points (n, 2) of x, z in metres from where he starts,
       before ``facing_degrees`` turns them; only for what travels
-    - ``mirrored``: perform the mirror image
+    - ``mirrored``: perform the mirror image of the movement; asymmetry, facing and route stay as given
     """
 
     noise_degrees: float
