@@ -319,15 +319,26 @@ def _wander(graph: KeyGraph, rng: np.random.Generator, times: int, shortest: flo
         if enough and seconds_of(graph, steps) >= shortest:
             return steps
         wanted = set(taken) if enough else {label for label, count in taken.items() if count < times}
-        for label, reversed_, end in _way_to(wanted, at, arcs, steps, rng):
+        for label, reversed_, end in _way_to(graph, wanted, at, arcs, steps, rng):
             hold = float(rng.uniform(0.3, 1.0)) if graph.state(end).velocity is None else 0.0
             steps.append(Step(label, reversed_, hold))
             taken[label] += 1
             at = end
 
 
+def _sense(graph: KeyGraph, label: str, reversed_: bool, *, leaving: bool) -> int:
+    """Whether a traversal leaves or reaches its state with the state's velocity (1) or against it (−1)."""
+    along = graph.path(label).along
+    return -along[1 if leaving else 0] if reversed_ else along[0 if leaving else 1]
+
+
 def _way_to(
-    wanted: set[str], at: str, arcs: dict[str, list[_Arc]], steps: list[Step], rng: np.random.Generator
+    graph: KeyGraph,
+    wanted: set[str],
+    at: str,
+    arcs: dict[str, list[_Arc]],
+    steps: list[Step],
+    rng: np.random.Generator,
 ) -> list[_Arc]:
     """The shortest way from a state to a wanted path, that path included; ties by chance."""
     ways: dict[str, list[_Arc]] = {at: []}
@@ -336,8 +347,15 @@ def _way_to(
         here = queue.pop(0)
         order = [arcs[here][i] for i in rng.permutation(len(arcs[here]))]
         if steps and here == at:
-            # turning straight back is allowed but not the habit
-            order.sort(key=lambda arc: arc[0] == steps[-1].path and arc[1] != steps[-1].reversed)
+            # to stop in a state made for passing, or to turn straight back, is allowed but not the habit
+            last = steps[-1]
+            order.sort(
+                key=lambda arc: (
+                    _sense(graph, arc[0], arc[1], leaving=True)
+                    != _sense(graph, last.path, last.reversed, leaving=False),
+                    arc[0] == last.path and arc[1] != last.reversed,
+                )
+            )
         for arc in order:
             if arc[0] in wanted:
                 return [*ways[here], arc]

@@ -8,7 +8,7 @@ frame exactly once. Nothing here was measured on the motion: it is what the scor
 from __future__ import annotations
 
 import dataclasses
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NoReturn
 
 import numpy as np
@@ -72,7 +72,7 @@ class TrueState:
 
     label: str
     """"A", its mirror image "A*", symmetric "X~"."""
-    pose: Array
+    pose: Array = field(repr=False)
     """Unit quaternions of the 15 links, before noise and asymmetry, shape (15, 4)."""
     symmetric: bool
     mirror_of: str | None = None
