@@ -54,10 +54,11 @@ struct WindowJob {
     std::int64_t side;  // a multiple of kTile
     bool symmetric;     // a and b are the same: parts I <= J write both halves
 
-    // Rows and columns of D under one part, in whole blocks; three such squares are the scratch of a thread.
-    std::int64_t reach() const { return (side + length - 1 + kLanes - 1) / kLanes * kLanes; }
-    std::int64_t stride() const { return reach() + (reach() / kLanes % 2 == 0 ? kLanes : 0); }
-    std::size_t scratch_floats() const { return 3 * std::size_t(reach() * stride()); }
+    // Rows and columns of D under one part, in whole blocks, and floats from row to row; three such squares are the
+    // scratch of a thread. (Fields, not functions: an inline function would be compiled for several processors and the
+    // linker might keep the wrong one.)
+    std::int64_t reach;
+    std::int64_t stride;
 };
 
 struct Kernels {

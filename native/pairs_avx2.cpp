@@ -15,6 +15,8 @@ struct Avx2 {
     static inline void store(float *p, reg v) { _mm256_store_ps(p, v); }
     static inline void store_unaligned(float *p, reg v) { _mm256_storeu_ps(p, v); }
     static inline void stream(float *p, reg v) { _mm256_stream_ps(p, v); }
+    // streamed stores become visible to other threads in order
+    static inline void fence() { _mm_sfence(); }
     static inline reg add(reg a, reg b) { return _mm256_add_ps(a, b); }
     static inline reg sub(reg a, reg b) { return _mm256_sub_ps(a, b); }
     static inline reg mul(reg a, reg b) { return _mm256_mul_ps(a, b); }

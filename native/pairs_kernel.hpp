@@ -2,7 +2,7 @@
 // flags; all is in an unnamed namespace and nothing from the standard library is called, so that no function built for a
 // newer processor can be picked by the linker for an older one.
 //
-// V offers: width, rows (rows of pairs held in registers at once), reg, load, broadcast, store, stream, add, sub, mul,
+// V offers: width, rows (rows of pairs held in registers at once), reg, load, broadcast, store, stream, fence, add, sub, mul,
 // fma (a b + c), fnma (c - a b), abs, max, sqrt, exp2, transpose.
 #pragma once
 
@@ -180,6 +180,7 @@ struct Pairs {
                 copy_row(out[m] + (columns.frame + c) * job.row_stride + rows.frame,
                          turned + (columns.skip + c) * kScratchStride + rows.skip, rows.count, job.stream);
         }
+        V::fence();
     }
 
     static void tile(const Job &job, std::int64_t I, std::int64_t J) {
@@ -196,6 +197,7 @@ struct Pairs {
                 copy_row(out[m] + (rows.frame + r) * job.row_stride + columns.frame,
                          scratch[m] + (rows.skip + r) * kScratchStride + columns.skip, columns.count, job.stream);
         }
+        V::fence();
     }
 
     // to(i, j) = a(i, j) + b(i, j); `to` may be `a`, and b may lie ahead in it.
@@ -233,7 +235,7 @@ struct Pairs {
     }
 
     static void windows(const WindowJob &job, std::int64_t I, std::int64_t J, float *scratch) {
-        const std::int64_t stride = job.stride(), reach = job.reach(), side = job.side;
+        const std::int64_t stride = job.stride, reach = job.reach, side = job.side;
         const std::int64_t row0 = I * side, column0 = J * side;
         auto within = [](std::int64_t a, std::int64_t b) { return a < b ? a : b; };
         // pairs under this part, and windows in it
@@ -260,6 +262,7 @@ struct Pairs {
                 copy_row(out[m] + (column0 + c) * job.pairs.row_stride + row0, turned + c * stride, out_rows,
                          job.pairs.stream);
         }
+        V::fence();
     }
 
     static constexpr Kernels kernels(const char *name) { return {name, symmetric_tile, tile, windows}; }

@@ -29,6 +29,7 @@ struct Portable {
     static inline void store(float *p, reg v) { store_unaligned(p, v); }
     static inline void store_unaligned(float *p, reg v) { std::memcpy(p, &v, sizeof v); }
     static inline void stream(float *p, reg v) { store_unaligned(p, v); }
+    static inline void fence() {}
     static inline reg add(reg a, reg b) { return a + b; }
     static inline reg sub(reg a, reg b) { return a - b; }
     static inline reg mul(reg a, reg b) { return a * b; }

@@ -226,11 +226,14 @@ void diagonal_sums(const Poses &a, const Poses &b, std::int64_t length, Floats2 
     const Kernels &kernels = choose(path);
     const bool stream = rows * columns * std::int64_t(sizeof(float)) > kStreamBytes;
     const Job pairs{a.packed(), b.packed(), d.data(), data(d_mirror), columns, false, 0.f, stream};
-    const WindowJob job{pairs, length, window_side(length), &a == &b};
+    const std::int64_t side = window_side(length), reach = (side + length - 1 + kLanes - 1) / kLanes * kLanes;
+    // an odd number of cache lines from row to row, as in kScratchStride
+    const std::int64_t stride = reach + (reach / kLanes % 2 == 0 ? kLanes : 0);
+    const WindowJob job{pairs, length, side, &a == &b, reach, stride};
     const std::int64_t down = (rows + job.side - 1) / job.side, across = (columns + job.side - 1) / job.side;
     nb::gil_scoped_release release;
     parallel_for(down, threads, [&](std::int64_t I) {
-        const std::unique_ptr<float[], AlignedDelete> scratch(new (std::align_val_t(64)) float[job.scratch_floats()]);
+        const std::unique_ptr<float[], AlignedDelete> scratch(new (std::align_val_t(64)) float[3 * std::size_t(reach * stride)]);
         for (std::int64_t J = job.symmetric ? I : 0; J < across; ++J) kernels.windows(job, I, J, scratch.get());
     });
 }
