@@ -5,6 +5,7 @@
 - bodies: `stick_figure`, `stick_figure_row`
 - curves over time: `speed_plot`, `symmetry_plot`
 - the motion path in the symmetry basis: `subspace_plot` (Figure 9), `composite_plot` (Figure 10)
+- the motion graph: `graph_plot`, `state_moments`, `path_strips`, `state_margin` (Figures 64-71)
 - colours: `PALETTES`; files: `new_figure`, `save_figure`
 
 Every function takes ``ax``; without it a new figure is made that pyplot never hears of, so nothing is left open.
@@ -16,6 +17,7 @@ from __future__ import annotations
 from kinesics.plotting.canvas import new_figure, save_figure
 from kinesics.plotting.composite import composite_plot, subspace_plot, symmetry_coordinates
 from kinesics.plotting.curves import speed_plot, symmetry_plot
+from kinesics.plotting.graph_drawing import graph_plot, path_strips, state_margin, state_moments
 from kinesics.plotting.palettes import PALETTES, Palette, blend
 from kinesics.plotting.pooling import PooledSimilarity, pool_maximum, pooled_similarity
 from kinesics.plotting.similarity_plots import similarity_plot, similarity_triangle
@@ -27,13 +29,17 @@ __all__ = [
     "PooledSimilarity",
     "blend",
     "composite_plot",
+    "graph_plot",
     "new_figure",
+    "path_strips",
     "pool_maximum",
     "pooled_similarity",
     "save_figure",
     "similarity_plot",
     "similarity_triangle",
     "speed_plot",
+    "state_margin",
+    "state_moments",
     "stick_figure",
     "stick_figure_row",
     "subspace_plot",

@@ -76,7 +76,7 @@ def stick_figure(
     if ax is None:
         ax = canvas.own_axes(3.2, 4.2, rect=(0.02, 0.02, 0.96, 0.96))
     strokes = compute_strokes(motion, [frame % motion.frame_count], view=view, turned=turned)
-    _draw(ax, strokes, 0, (0.0, 0.0), 1.0, strength=1.0, line_width=3.0)
+    draw_strokes(ax, strokes, 0, (0.0, 0.0), 1.0, strength=1.0, line_width=3.0)
     _frame_figures(ax)
     return ax
 
@@ -130,7 +130,7 @@ def stick_figure_row(
     for spot, rows in zip(places, place, strict=True):
         for layer in reversed(range(layers)):
             strength = 1.0 if layers == 1 else 1.0 - 0.62 * layer / (layers - 1)
-            _draw(ax, strokes, int(rows[layer]), (float(spot), -low * up), (across, up), strength, line_width)
+            draw_strokes(ax, strokes, int(rows[layer]), (float(spot), -low * up), (across, up), strength, line_width)
     ax.set_xlim(0.0, 1.0)
     ax.set_ylim(-0.03, 1.03)
     ax.set_axis_off()
@@ -256,7 +256,7 @@ def _head_radius(skeleton: Skeleton, body: anatomy.Anatomy) -> float:
     return 0.5 * 0.13 / 0.245 * thigh
 
 
-def _draw(
+def draw_strokes(
     ax: Axes,
     strokes: Strokes,
     row: int,
@@ -264,15 +264,26 @@ def _draw(
     scale: tuple[float, float] | float,
     strength: float,
     line_width: float,
+    *,
+    grey: bool = False,
 ) -> None:
-    """One figure as one collection of lines and one circle."""
+    """One figure as one collection of lines and one circle.
+
+    Parameters
+    ----------
+    row : which of the frames of ``strokes``.
+    origin, scale : where the pelvis' ground point goes, and how long a metre is, in the units of ``ax``.
+    strength : 1 full ink, 0 paper.
+    line_width : points.
+    grey : both sides of the body in black ink.
+    """
     from matplotlib.collections import LineCollection
     from matplotlib.colors import to_rgb
     from matplotlib.patches import Ellipse
 
     factor = np.broadcast_to(np.asarray(scale, dtype=np.float64), (2,))
     shift = np.asarray(origin)
-    ink = {"left": canvas.LEFT, "right": canvas.RIGHT, "": canvas.INK}
+    ink = {"left": canvas.INK if grey else canvas.LEFT, "right": canvas.INK if grey else canvas.RIGHT, "": canvas.INK}
 
     def faded(colour: str) -> tuple[float, float, float]:
         # mixed with paper rather than transparent: overlaid lines then do not add up to dark spots
