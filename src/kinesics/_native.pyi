@@ -1,7 +1,5 @@
 """The compiled kernels. They check shapes, not values: call them through `kinesics.similarity`, `kinesics.body`."""
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -75,8 +73,6 @@ def cheapest_path(rows: _Floats, low: int, width: int, bend: float, out: NDArray
 
 def turning_costs(rows: _Floats, reach: int, bend: float, out: _Doubles) -> None:
     """Fill ``out`` with the mean distance along the cheapest path outwards from each place, shape (2n − 1,)."""
-
-def __getattr__(name: str) -> Any: ...
 
 def parse_rows(data: bytes, start: int, columns: int) -> tuple[_Doubles, int]:
     """Rows of numbers, one a line; and the byte where the first line begins that is not one, or −1."""
