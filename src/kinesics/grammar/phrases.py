@@ -1,0 +1,507 @@
+"""Phrases: a recording cut into stretches of one kind of movement.
+
+What makes a stretch one phrase is that it recurs within itself: the same, mirrored, backwards or both ([Schultz2012] §3.2-3.4),
+a few seconds later. Between one exercise and the next nothing recurs across. So for every moment all recurrences are weighed
+that reach across it, from a stretch before it to one after it (`crossing`): phrases are the hills of that curve, and where it
+falls to a small part of the lower hill beside it, one phrase ends and another begins.
+
+- **Tempo freedom.** A recurrence is a path, not a straight line: one side may go up to twice as fast for a while.
+- **Several scales.** Stretches of about 0.8, 1.6 and 3.2 s are compared, so that quick and slow cycles are seen alike.
+- **Against chance.** A path's mean distance is measured against the range of both stretches. Stretches of unrelated movement
+  leave about 1, and one in twenty finds somewhere in the neighbourhood a path that leaves .3 to .4; what leaves more than `CHANCE`
+  does not count, and what leaves less counts the more, the less it leaves.
+- **Stillness is no recurrence.** Both stretches must move by more than a body at rest sways.
+
+The border itself is put where the body is calmest between two hills. What recurs nowhere, between two calm moments, is a phrase
+made once; a rest is a phrase of its own. Phrases whose movements are found in one another get the same kind, however far
+apart they are.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinesics.grammar import lags
+from kinesics.grammar.moments import Moments
+from kinesics.similarity import chord
+
+Array = NDArray[np.float64]
+Floats = NDArray[np.float32]
+
+RATE: Final = 15.0
+"""Moments a second at which recurrences are looked for: a cycle of 0.4 s still has six."""
+SCALES_S: Final = (0.4, 0.8, 1.6)
+"""Half the length of the stretches compared, seconds."""
+REACH_S: Final = 8.0
+"""Recurrences are looked for so many seconds ahead: the longest cycle that makes one phrase by itself."""
+CHANCE: Final = 0.4
+"""Residual of a path from which on it counts for nothing."""
+STILL: Final = float(2.0 * np.sin(np.deg2rad(5.0) / 4.0))
+"""√(2D) of 5° r.m.s. in all joints: people at rest sway by one or two degrees."""
+REST_S: Final = 1.5
+"""A rest of so long is a phrase."""
+SHORTEST_S: Final = 1.2
+"""The shortest phrase."""
+_RANGE: Final = 1.3
+"""Times the mean distance in a stretch: about the 75th percentile, and steadier."""
+_VALLEY: Final = 0.3
+"""A valley of the crossing curve parts two phrases when it falls below this share of the lower hill."""
+_HILL: Final = 0.02
+"""Least height of a hill, seconds²."""
+_FOOT: Final = 0.05
+"""Below this share of its height a hill has ended."""
+_CALM: Final = 0.4
+"""A moment is calm whose speed is below this share of that of the liveliest moments on either side of it."""
+_SMOOTH_S: Final = 0.3
+_SAMPLES: Final = 8
+"""Stretches of each phrase that are looked for in the others."""
+_KIN: Final = 0.4
+"""Mean residual up to which two phrases are of one kind."""
+
+
+@dataclass(frozen=True)
+class Phrase:
+    """A stretch of one kind of movement, moments [start, end)."""
+
+    start: int
+    end: int
+    kind: int
+    """The same number for phrases of the same kind, counted from 0 in order of appearance."""
+    still: bool = False
+    """A rest: the body stays where it is."""
+    recurs: bool = False
+    """The movement recurs within the phrase; False for what is made once."""
+
+
+@dataclass(frozen=True, eq=False)
+class Crossing:
+    """How much recurs across each moment."""
+
+    weight: Array
+    """Seconds², shape (coarse moments,)."""
+    step: int
+    """Moments of the recording from one coarse moment to the next."""
+
+
+def find_phrases(moments: Moments) -> tuple[Phrase, ...]:
+    """The recording cut into phrases, which follow one another without gaps from the first moment to the last."""
+    coarse, step = _thin(moments)
+    n = coarse.count
+    by_lag = coarse.by_lag(_lags(coarse.fps))[0:2]
+    weight = _crossing(coarse, by_lag)
+    rests = _rests(coarse, by_lag[0])
+    speed = _calmness(coarse)
+    pieces: list[_Piece] = []
+    last = 0
+    for a, b in [*rests, (n, n)]:
+        if a > last:
+            pieces.extend(_cut(coarse, weight, speed, last, a))
+        if b > a:
+            pieces.append(_Piece(a, b, still=True))
+        last = b
+    pieces = _joined(coarse, pieces)
+    kinds = _kinds(coarse, pieces)
+    out: list[Phrase] = []
+    for piece, kind in zip(pieces, kinds, strict=True):
+        start, end = piece.start * step, moments.count if piece.end == n else piece.end * step
+        out.append(Phrase(start, end, kind, piece.still, piece.recurs))
+    return tuple(out)
+
+
+def crossing(moments: Moments) -> Crossing:
+    """The curve that phrases are read from: recurrences that reach across each moment."""
+    coarse, step = _thin(moments)
+    return Crossing(_crossing(coarse, coarse.by_lag(_lags(coarse.fps))), step)
+
+
+@dataclass(frozen=True)
+class _Piece:
+    start: int
+    end: int
+    still: bool = False
+    recurs: bool = False
+
+
+def _thin(moments: Moments) -> tuple[Moments, int]:
+    """Every so manieth moment, so that there are about `RATE` a second."""
+    step = max(1, round(moments.fps / RATE))
+    if step == 1 or moments.count < 2 * step:
+        return moments, 1
+    speed = moments.speed[::step].copy()
+    for k in range(1, step):
+        later = moments.speed[k::step]
+        speed[: len(later)] += later
+    # the last one may stand for fewer than the others
+    counts = np.full(len(speed), float(step))
+    counts[-1] = moments.count - (len(speed) - 1) * step
+    poses, dense = moments.poses, moments.dense
+    return (
+        dataclasses.replace(
+            moments,
+            fps=moments.fps / step,
+            speed=speed / counts,
+            symmetry=moments.symmetry[::step],
+            poses=None if poses is None else poses[::step],
+            dense=None if dense is None else (dense[0][::step, ::step], dense[1][::step, ::step]),
+        ),
+        step,
+    )
+
+
+def _widths(fps: float) -> list[int]:
+    return [max(2, round(s * fps)) for s in SCALES_S]
+
+
+def _lags(fps: float) -> int:
+    # a path that runs backwards on one side starts as far out as it ends inside
+    return round(REACH_S * fps) + 2 * max(_widths(fps)) + 2
+
+
+def _crossing(coarse: Moments, by_lag: tuple[Floats, Floats]) -> Array:
+    n = coarse.count
+    widths = [w for w in _widths(coarse.fps) if 2 * w + 1 < n]
+    out = np.zeros(n)
+    if not widths:
+        return out
+    strength = _recurrences(coarse, by_lag, widths)
+    reach = strength.shape[0]
+    change = np.zeros(n + 1)
+    change[:n] += strength.sum(axis=0, dtype=np.float64)
+    lag, first = np.nonzero(strength)
+    np.subtract.at(change, np.minimum(first + lag, n), strength[lag, first])
+    del reach
+    return np.maximum(np.cumsum(change)[:n], 0.0) / coarse.fps**2
+
+
+def _recurrences(coarse: Moments, by_lag: tuple[Floats, Floats], widths: Sequence[int]) -> Floats:
+    """How strongly moment i recurs at i + k under any relation and at any scale, 0 to 1, shape (lags, n)."""
+    n = coarse.count
+    reach = min(round(REACH_S * coarse.fps), n - 1)
+    bend = lags.bend_cost(by_lag[0])
+    ranges = {w: _RANGE * _spread(by_lag[0], w) for w in widths}
+    floor = 0.5 * STILL**2 + _RANGE * coarse.noise
+    out = np.zeros((reach + 1, n), dtype=np.float32)
+    for distance in by_lag:
+        for backwards in (False, True):
+            paths = _paths(distance, widths, bend, backwards=backwards)
+            for w, cost in paths.items():
+                span = ranges[w]
+                scale = np.where(span > floor, np.sqrt(np.maximum(span, 0.0)), 0.0).astype(np.float32)
+                for k in range(2 * w + 1, reach + 1):
+                    size = scale[: n - k] * scale[k:]
+                    share = np.maximum(cost[k, : n - k] - np.float32(coarse.noise), 0.0)
+                    with np.errstate(divide="ignore", invalid="ignore"):
+                        weight = 1.0 - share / (CHANCE * size)
+                    weight[~(size > 0.0)] = 0.0
+                    row = out[k, : n - k]
+                    np.maximum(row, np.maximum(weight, 0.0) ** 2, out=row)
+    return out
+
+
+def _paths(distance: Floats, widths: Sequence[int], bend: float, *, backwards: bool) -> dict[int, Floats]:
+    """Mean distance along the cheapest path through each pair (i, i + k), so many steps of i before and after it.
+
+    With ``backwards`` one side runs backwards: the lag shrinks by two in a step, else it stays. It may change by one more or
+    less in each step, at a cost: one side stands for a moment, or goes at double speed.
+    """
+    steps = ((0, 0.0), (1, bend), (-1, bend)) if not backwards else ((-2, 0.0), (-1, bend), (-3, bend))
+    after, before = distance.copy(), distance.copy()
+    out: dict[int, Floats] = {}
+    scratch = np.empty_like(distance)
+    for s in range(1, max(widths) + 1):
+        after = _extended(distance, after, [(k, 1, c) for k, c in steps], scratch)
+        before = _extended(distance, before, [(-k, -1, c) for k, c in steps], scratch)
+        if s in widths:
+            both = after + before
+            known = np.isfinite(both)
+            both[known] -= distance[known]
+            out[s] = both / np.float32(2 * s + 1)
+    return out
+
+
+def _extended(distance: Floats, total: Floats, steps: Sequence[tuple[int, int, float]], scratch: Floats) -> Floats:
+    """One step more: ``out[k, t] = distance[k, t] + min over steps of total[k + dk, t + dt] + cost``."""
+    rows, n = distance.shape
+    best = np.full_like(distance, np.inf)
+    for dk, dt, cost in steps:
+        k0, k1 = max(0, -dk), min(rows, rows - dk)
+        t0, t1 = max(0, -dt), min(n, n - dt)
+        there = np.add(total[k0 + dk : k1 + dk, t0 + dt : t1 + dt], np.float32(cost), out=scratch[k0:k1, t0:t1])
+        np.minimum(best[k0:k1, t0:t1], there, out=best[k0:k1, t0:t1])
+    best += distance
+    return best
+
+
+def _spread(by_lag: Floats, half: int) -> Array:
+    """Mean distance between all moments within ``half`` of each moment, each with itself included."""
+    n = by_lag.shape[1]
+    t = np.arange(n)
+    low, high = np.maximum(t - half, 0), np.minimum(t + half + 1, n)
+    total = np.zeros(n)
+    for k in range(1, min(2 * half + 1, len(by_lag))):
+        row = np.where(np.isfinite(by_lag[k]), by_lag[k], np.float32(0.0))
+        sums = np.concatenate([[0.0], np.cumsum(row, dtype=np.float64)])
+        total += 2.0 * (sums[np.maximum(high - k, low)] - sums[low])
+    return total / (high - low) ** 2
+
+
+def _rests(coarse: Moments, by_lag: Floats) -> list[tuple[int, int]]:
+    """Stretches of at least `REST_S` in which no two moments a rest apart differ by more than a body at rest sways."""
+    n = coarse.count
+    span = max(2, round(REST_S * coarse.fps))
+    if n <= span:
+        return (
+            [(0, n)]
+            if n > 1 and bool((chord(by_lag[1:, :][np.isfinite(by_lag[1:, :])]) <= _sway(coarse)).all())
+            else []
+        )
+    near = np.ones(n - span, dtype=np.bool_)
+    for k in range(1, span + 1):
+        row = chord(by_lag[k, : n - k].astype(np.float64)) <= _sway(coarse)
+        # all pairs at this lag within the window of span + 1 moments
+        count = np.concatenate([[0], np.cumsum(~row)])
+        near &= count[span + 1 - k : n - k + 1][: n - span] == count[: n - span]
+    still = np.zeros(n, dtype=np.bool_)
+    for t in np.flatnonzero(near):
+        still[t : t + span + 1] = True
+    edges = np.diff(np.concatenate([[False], still, [False]]).astype(np.int8))
+    return [(int(a), int(b)) for a, b in zip(np.flatnonzero(edges > 0), np.flatnonzero(edges < 0), strict=True)]
+
+
+def _sway(coarse: Moments) -> float:
+    return float(np.sqrt(STILL**2 + 2.0 * coarse.noise * 2.0))
+
+
+def _calmness(coarse: Moments) -> Array:
+    """Speed, smoothed a little: the lower, the calmer."""
+    width = max(1, round(_SMOOTH_S * coarse.fps)) | 1
+    weights = np.hanning(width + 2)[1:-1]
+    # steps lead from one moment to the next: put them on the moments
+    v = coarse.speed
+    on = v.copy()
+    on[1:-1] = 0.5 * (v[1:-1] + v[2:])
+    padded = np.pad(on, width // 2, mode="edge")
+    return np.convolve(padded, weights / weights.sum(), "valid")
+
+
+def _cut(coarse: Moments, weight: Array, speed: Array, start: int, end: int) -> list[_Piece]:
+    """A stretch without rests, cut into hills of the crossing curve and what lies between them."""
+    shortest = SHORTEST_S * coarse.fps
+    if end - start < 2 * shortest:
+        return [_Piece(start, end, recurs=bool(weight[start:end].max() > _HILL))]
+    hills = _hills(weight[start:end])
+    if not hills:
+        marks = _calm_moments(speed, start, end, shortest)
+        bounds = [start, *marks, end]
+        return [_Piece(a, b) for a, b in zip(bounds[:-1], bounds[1:], strict=True)]
+    pieces: list[_Piece] = []
+    here = start
+    for k, (_, right) in enumerate(hills):
+        is_last = k == len(hills) - 1
+        left_end = start + right
+        if is_last:
+            marks = _between(speed, left_end, end, end, shortest, coarse.fps)
+            marks = marks if end - left_end > shortest else []
+            stop = marks[0] if marks else end
+            first_gap = _leading(speed, start, start + hills[0][0], shortest, coarse.fps) if k == 0 else []
+            pieces.extend(_with_lead(here, stop, first_gap))
+            bounds = [*marks, end] if marks else []
+            pieces.extend(_Piece(a, b) for a, b in zip(bounds[:-1], bounds[1:], strict=True))
+            break
+        next_start = start + hills[k + 1][0]
+        marks = _between(speed, left_end, next_start, end, shortest, coarse.fps)
+        first_gap = _leading(speed, start, start + hills[0][0], shortest, coarse.fps) if k == 0 else []
+        pieces.extend(_with_lead(here, marks[0], first_gap))
+        pieces.extend(_Piece(a, b) for a, b in zip(marks[:-1], marks[1:], strict=True))
+        here = marks[-1]
+    return pieces
+
+
+def _with_lead(start: int, end: int, marks: list[int]) -> list[_Piece]:
+    """A hill, and before it what is made once."""
+    bounds = [start, *[m for m in marks if start < m < end], end]
+    pieces = [_Piece(a, b) for a, b in zip(bounds[:-1], bounds[1:], strict=True)]
+    pieces[-1] = dataclasses.replace(pieces[-1], recurs=True)
+    return pieces
+
+
+def _leading(speed: Array, start: int, foot: int, shortest: float, fps: float) -> list[int]:
+    return _between(speed, start, foot, foot, shortest, fps)[-1:] if foot - start > shortest else []
+
+
+def _hills(weight: Array) -> list[tuple[int, int]]:
+    """Feet of the hills that valleys part: (left, right), in order."""
+    n = len(weight)
+    # watershed from above: each top grows; where two meet at a height above the share, the lower one joins the higher
+    order = np.argsort(-weight, kind="stable")
+    owner = np.full(n, -1)
+    top: dict[int, float] = {}
+    parent: dict[int, int] = {}
+
+    def root(k: int) -> int:
+        while parent[k] != k:
+            k = parent[k]
+        return k
+
+    for t in order:
+        height = weight[t]
+        if height <= _HILL * 0.05:
+            break
+        near = {root(owner[s]) for s in (t - 1, t + 1) if 0 <= s < n and owner[s] >= 0}
+        if not near:
+            k = int(t)
+            parent[k] = k
+            top[k] = float(height)
+        else:
+            ranked = sorted(near, key=lambda r: (-top[r], r))
+            k = ranked[0]
+            for other in ranked[1:]:
+                if height > _VALLEY * top[other] or top[other] < _HILL:
+                    parent[other] = k
+        owner[t] = k
+    groups: dict[int, list[int]] = {}
+    for t in range(n):
+        if owner[t] >= 0:
+            groups.setdefault(root(owner[t]), []).append(t)
+    feet = []
+    for k, members in groups.items():
+        if top[k] < _HILL:
+            continue
+        high = [t for t in members if weight[t] > _FOOT * top[k]]
+        feet.append((high[0], high[-1] + 1))
+    return sorted(feet)
+
+
+def _between(speed: Array, left: int, right: int, limit: int, shortest: float, fps: float) -> list[int]:
+    """Borders between a hill that ends at ``left`` and one that begins at ``right``: one, or several with pieces between."""
+    slack = max(1, round(0.3 * fps))
+    low, high = max(1, min(left, right) - slack), min(limit - 1, max(left, right) + slack, len(speed) - 1)
+    if high <= low:
+        return [min(max(low, 1), len(speed) - 1)]
+    calm = _calm_moments(speed, low, high, shortest)
+    if len(calm) >= 2 and calm[-1] - calm[0] >= shortest:
+        return calm
+    return [low + int(np.argmin(speed[low : high + 1]))]
+
+
+def _calm_moments(speed: Array, low: int, high: int, shortest: float) -> list[int]:
+    """Moments in (low, high) that are calm against what lies on either side, at least ``shortest`` apart."""
+    inner = speed[low : high + 1]
+    found: list[int] = []
+    for t in range(low + 1, min(high, len(speed) - 1)):
+        if not (speed[t] <= speed[t - 1] and speed[t] < speed[t + 1]):
+            continue
+        before, after = inner[: t - low + 1].max(), inner[t - low :].max()
+        if speed[t] < _CALM * min(before, after):
+            found.append(t)
+    chosen: list[int] = []
+    for t in sorted(found, key=lambda t: speed[t]):
+        if all(abs(t - c) >= shortest for c in chosen):
+            chosen.append(t)
+    return sorted(chosen)
+
+
+def _joined(coarse: Moments, pieces: list[_Piece]) -> list[_Piece]:
+    """Pieces that are too short, joined to their shorter neighbour that moves."""
+    shortest = SHORTEST_S * coarse.fps
+    out = list(pieces)
+    while len(out) > 1:
+        short = [k for k, p in enumerate(out) if p.end - p.start < shortest and not p.still]
+        neighbours: list[tuple[int, int]] = []
+        for k in short:
+            near = [m for m in (k - 1, k + 1) if 0 <= m < len(out) and not out[m].still]
+            if near:
+                neighbours.append((k, min(near, key=lambda m: out[m].end - out[m].start)))
+        if not neighbours:
+            break
+        k, m = neighbours[0]
+        a, b = min(k, m), max(k, m)
+        out[a : b + 1] = [_Piece(out[a].start, out[b].end, recurs=out[a].recurs or out[b].recurs)]
+    return out
+
+
+def _kinds(coarse: Moments, pieces: list[_Piece]) -> list[int]:
+    """Numbers of kinds: pieces whose stretches are found in one another, the same or mirrored, have the same."""
+    count = len(pieces)
+    apart = np.ones((count, count))
+    starts = np.array([p.start for p in pieces])
+    for a, piece in enumerate(pieces):
+        if piece.still:
+            continue
+        found = _found(coarse, piece, starts)
+        apart[a] = found
+    both = np.maximum(apart, apart.T)
+    for a, piece in enumerate(pieces):
+        for b, other in enumerate(pieces):
+            if piece.still or other.still:
+                both[a, b] = 0.0 if piece.still and other.still else 2.0
+    groups: list[list[int]] = [[k] for k in range(count)]
+    while True:
+        best: tuple[float, int, int] | None = None
+        for x in range(len(groups)):
+            for y in range(x + 1, len(groups)):
+                mean = float(both[np.ix_(groups[x], groups[y])].mean())
+                if mean <= _KIN and (best is None or mean < best[0]):
+                    best = (mean, x, y)
+        if best is None:
+            break
+        _, x, y = best
+        groups[x] = groups[x] + groups.pop(y)
+    kinds = [0] * count
+    for kind, group in enumerate(sorted(groups, key=min)):
+        for k in group:
+            kinds[k] = kind
+    return kinds
+
+
+def _found(coarse: Moments, piece: _Piece, starts: NDArray[np.intp]) -> Array:
+    """How much is left over when stretches of a piece are looked for in each of the pieces, mean, shape (pieces,)."""
+    n = coarse.count
+    half = max(2, min(round(SCALES_S[1] * coarse.fps), (piece.end - piece.start - 1) // 2))
+    centres = np.unique(np.linspace(piece.start + half, piece.end - 1 - half, _SAMPLES).round().astype(np.intp))
+    centres = centres[(centres >= half) & (centres + half < n)]
+    if not len(centres):
+        return np.ones(len(starts))
+    best = np.full((len(centres), n), np.inf, dtype=np.float32)
+    spans = np.empty(len(centres))
+    for row, c in enumerate(centres):
+        rows = slice(int(c) - half, int(c) + half + 1)
+        own = coarse.tile(rows, rows)[0]
+        spans[row] = _RANGE * float(own.mean())
+        for tile in coarse.tile(rows, slice(0, n)):
+            np.minimum(best[row], _window_paths(tile, half), out=best[row])
+    moving = spans > 0.5 * STILL**2 + coarse.noise
+    if not moving.any():
+        return np.ones(len(starts))
+    share = np.clip((best - coarse.noise) / np.maximum(spans[:, None], 1e-12), 0.0, 1.0)
+    least = np.minimum.reduceat(share, starts, axis=1)
+    mean: Array = least[moving].mean(axis=0)
+    return mean
+
+
+def _window_paths(tile: Floats, half: int) -> Floats:
+    """Mean distance along the cheapest path of all rows of a tile that passes (middle row, j), for each column j."""
+    n = tile.shape[1]
+    bend = np.float32(0.02 * float(np.median(tile)))
+    total = tile[half].copy()
+    for direction in (1, -1):
+        run = tile[half + direction * half].copy()
+        for s in range(half - 1, -1, -1):
+            row = tile[half + direction * s]
+            best = run + bend
+            for jump, cost in ((1, np.float32(0.0)), (2, bend)):
+                shifted = np.full(n, np.inf, dtype=np.float32)
+                if direction > 0:
+                    shifted[: n - jump] = run[jump:] + cost
+                else:
+                    shifted[jump:] = run[: n - jump] + cost
+                np.minimum(best, shifted, out=best)
+            run = row + best if s else best
+        total += run
+    return total / np.float32(2 * half + 1)
