@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-
 from kinesics.grammar import reading as _reading
 from kinesics.grammar.graph import MotionGraph, Occurrence, Path, Source, State, Stay, build
 from kinesics.grammar.moments import Moments

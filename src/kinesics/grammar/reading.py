@@ -403,6 +403,55 @@ def _state_of(moments: Moments, group: Sequence[_Mark], near: Nearness) -> ReadS
     return ReadState(moment, symmetric, bool(traced))
 
 
+def _refined(moments: Moments, states: Sequence[ReadState], near: Nearness) -> list[ReadState]:
+    """States that are only passed, put where the ways cross: at the moment near by that most passages come closest to.
+
+    Ways join early and part late, so the marks lie to either side of the state.
+    """
+    reach = max(1, round(_PARTING * moments.fps))
+    out = []
+    for state in states:
+        if state.traced:
+            out.append(state)
+            continue
+        around = np.arange(max(0, state.moment - reach), min(moments.count, state.moment + reach + 1))
+        d, s = _between(moments, np.arange(moments.count), around)
+        close = _between(moments, np.array([state.moment]), around)[0][0] < near.state
+        exact = max(near.same, 0.005 * near.spread)
+        best = (0, -np.inf)
+        moment = state.moment
+        for column in np.flatnonzero(close).tolist():
+            depths = [
+                _deepest(row[start:end])
+                for row in (d[:, column], s[:, column])
+                for start, end in _below(row, near.visit)
+            ]
+            through = [x for x in depths if x < exact]
+            score = (len(through), -float(np.mean(through)) if through else -np.inf)
+            if score > best:
+                best, moment = score, int(around[column])
+        out.append(ReadState(moment, state.symmetric, False))
+    return _distinct(moments, out, near)
+
+
+def _distinct(moments: Moments, states: Sequence[ReadState], near: Nearness) -> list[ReadState]:
+    """Of states that have come to lie in one place, the first traced one, else the first."""
+    index = np.array([s.moment for s in states], dtype=np.intp)
+    d, s = _between(moments, index, index)
+    apart = np.minimum(d, s)
+    kept: list[int] = []
+    for k in sorted(range(len(states)), key=lambda k: (not states[k].traced, states[k].moment)):
+        if all(apart[k, o] >= 2 * near.visit for o in kept):
+            kept.append(k)
+    return [states[k] for k in sorted(kept)]
+
+
+def _below(row: Floats, limit: float) -> list[tuple[int, int]]:
+    inside = np.concatenate([[False], row < limit, [False]])
+    edges = np.flatnonzero(inside[1:] != inside[:-1])
+    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
+
+
 def _visits(moments: Moments, states: Sequence[ReadState], radius: float) -> list[Visit]:
     """All times at which the movement is in a state; where two claim it, the nearer one's."""
     index = np.array([s.moment for s in states], dtype=np.intp)
@@ -412,11 +461,14 @@ def _visits(moments: Moments, states: Sequence[ReadState], radius: float) -> lis
         for is_mirrored, row in ((False, d[:, k]), (True, s[:, k])):
             if is_mirrored and state.symmetric:
                 continue
-            inside = np.concatenate([[False], row < radius, [False]])
-            edges = np.flatnonzero(inside[1:] != inside[:-1])
-            for start, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+            # in at the radius, out at three times it: noise must not make two visits of one
+            for start, end in _below(row, 3 * radius):
                 at = start + int(row[start:end].argmin())
-                found.append((Visit(start, end, at, k, is_mirrored), float(row[at])))
+                if row[at] < radius:
+                    near = np.flatnonzero(row[start:end] < radius)
+                    found.append(
+                        (Visit(start + int(near[0]), start + int(near[-1]) + 1, at, k, is_mirrored), float(row[at]))
+                    )
     found.sort(key=lambda v: (v[0].at, v[1]))
     out: list[tuple[Visit, float]] = []
     for visit, depth in found:
@@ -545,22 +597,24 @@ def _shadows(moments: Moments, states: Sequence[ReadState], visits: Sequence[Vis
     index = np.array([s.moment for s in states], dtype=np.intp)
     d, s = _between(moments, index, index)
     apart = np.minimum(d, s)
-    reach = _PARTING * moments.fps
+    reach = 2 * _PARTING * moments.fps
     out: set[int] = set()
     for k, state in enumerate(states):
         if state.traced:
             continue
         places = [i for i, v in enumerate(visits) if v.state == k]
-        others = [
-            {
+        beside: dict[int, int] = {}
+        for i in places:
+            for o in {
                 visits[j].state
                 for j in (i - 1, i + 1)
                 if 0 <= j < len(visits) and abs(visits[j].at - visits[i].at) <= reach and visits[j].state != k
-            }
-            for i in places
-        ]
-        common = set.intersection(*others) if others else set()
-        if any(apart[k, o] < 2.5 * near.state and o not in out for o in common):
+            }:
+                beside[o] = beside.get(o, 0) + 1
+        if any(
+            count >= 0.8 * len(places) and apart[k, o] < 2.5 * near.state and o not in out
+            for o, count in beside.items()
+        ):
             out.add(k)
     return out
 
@@ -571,6 +625,7 @@ def read(moments: Moments, progress: Progress = silent) -> Reading:
     place = _localise(moments, near.same, progress)
     marks = _marks(moments, place, near)
     states = [_state_of(moments, group, near) for group in _cluster(moments, marks, near.state)]
+    states = _refined(moments, states, near)
     while states:
         visits = _visits(moments, states, near.visit)
         shadows = _shadows(moments, states, visits, near)
