@@ -21,19 +21,17 @@ def assemble(read: Reading, moments: Moments, name: str = "") -> MotionGraph:
         return MotionGraph((), (), (source,))
     stays, occurrences = _timeline(read, moments)
     sides = {(v.state, v.mirrored) for v in read.visits}
-    states = []
-    for k, state in enumerate(read.states):
-        both = (k, False) in sides and (k, True) in sides
-        for side in (False, True):
-            if (k, side) in sides:
-                states.append(
-                    State(
-                        id=_state_id(k, side),
-                        symmetric=state.symmetric,
-                        mirror_of=_state_id(k, not side) if both and not state.symmetric else None,
-                        stays=tuple(stays.get((k, side), ())),
-                    )
-                )
+    states = [
+        State(
+            id=_state_id(k, side),
+            symmetric=state.symmetric,
+            mirror_of=_state_id(k, not side) if not state.symmetric and {(k, False), (k, True)} <= sides else None,
+            stays=tuple(stays.get((k, side), ())),
+        )
+        for k, state in enumerate(read.states)
+        for side in (False, True)
+        if (k, side) in sides
+    ]
     return build(states, _paths(read, moments, occurrences), (source,))
 
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -516,7 +517,7 @@ def _traverse(
     def image(end: tuple[int, bool]) -> tuple[int, bool]:
         return end if states[end[0]].symmetric else (end[0], not end[1])
 
-    for a, b in zip(visits[:-1], visits[1:], strict=True):
+    for a, b in pairwise(visits):
         here, there = (a.state, a.mirrored), (b.state, b.mirrored)
         points = np.linspace(a.at, b.at, _POINTS).round().astype(np.intp)
         trials: list[tuple[int, bool, bool]] = []
