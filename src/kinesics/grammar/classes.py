@@ -63,8 +63,14 @@ PERIODS_OF_HALVES: Final = 1.6
 """or from so many where half a period is an image of the other half."""
 _PERIODS_TOLERANCE: Final = 0.07
 """Of a period: stillness at both ends, and half a moment at each, are not counted."""
-_COVERAGE: Final = 0.5
-"""Share of the moving moments that must return."""
+_COVERAGE: Final = 0.66
+"""Share of the moving moments that must return a period later;"""
+_COVERAGE_OF_HALVES: Final = 0.75
+"""so many where fewer than two periods are seen,"""
+_RESIDUAL_OF_HALVES: Final = 0.3
+"""and what the period leaves over must be no more than this."""
+_UNITY: Final = 0.6
+"""Cycles anywhere in the stretch must be alike to this residual: else it is several cyclic movements, and as a whole none."""
 STILL: Final = float(2.0 * np.sin(np.deg2rad(5.0) / 4.0))
 """√(2D) of 5° r.m.s. in all joints: a body that stays within it is still (people at rest sway by one or two degrees)."""
 _NOISES: Final = 8.0
@@ -213,11 +219,15 @@ def measure(moments: Moments, start: int, end: int) -> Evidence | None:
 def is_cyclic(seen: Evidence) -> bool:
     """Whether the movement repeats itself, by the rule of this module."""
     found = seen.cyclic
-    if found is None or found.coverage < _COVERAGE or found.residuals.period is None:
+    if found is None or found.residuals.period is None or found.coverage < _COVERAGE or found.unity > _UNITY:
         return False
     if found.repeats >= PERIODS - _PERIODS_TOLERANCE:
         return True
-    if found.repeats < PERIODS_OF_HALVES - _PERIODS_TOLERANCE:
+    if (
+        found.repeats < PERIODS_OF_HALVES - _PERIODS_TOLERANCE
+        or found.coverage < _COVERAGE_OF_HALVES
+        or found.residuals.period > _RESIDUAL_OF_HALVES
+    ):
         return False
     chances = cyclic_probabilities(found)
     halves = {c: p for c, p in chances.items() if CYCLIC_SYMMETRIES[c] - {"mirror"}}

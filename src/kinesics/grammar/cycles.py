@@ -8,6 +8,7 @@ apart anyway; 0 for an even walk as for a jumping jack.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
@@ -22,6 +23,10 @@ Distances = NDArray[Any]
 
 PHASES: Final = 48
 """Moments at which a cycle is sampled to compare its sides."""
+_ALIKE: Final = 0.5
+"""Sides whose mirror images leave more than this do different things: they have no phase."""
+_ROWS: Final = np.arange(PHASES)[None, :]
+_SHIFTED: Final = (np.arange(PHASES)[:, None] + np.arange(PHASES)[None, :]) % PHASES
 _LIMBS: Final = tuple(i for i, name in enumerate(LINKS) if name.startswith("left_"))
 _OTHERS: Final = tuple(LINKS.index("right_" + LINKS[i][5:]) for i in _LIMBS)
 
@@ -36,7 +41,9 @@ class Cycle:
     """Source frame at which the next one begins."""
     period_s: float
     phase: float | None
-    """By how much the right side follows the left, as a fraction of the cycle in (−½, ½], less ½ where the sides alternate."""
+    """By how much the right side follows the left, as a fraction of the cycle in (−½, ½], less ½ where the sides alternate.
+
+    None where the sides do not do the same thing (waving one hand) or moments are not made of poses."""
     mirror_residual: float | None
     """What the mirror (at the best shift) leaves over, against the movement's range; without the constant bias."""
 
@@ -86,19 +93,20 @@ def boundaries(speed: Array, lags: Array, noise_speed: float = 0.0) -> Array:
     width = max(1, int(tau / 16)) | 1
     smooth = np.convolve(np.pad(moving, width // 2, mode="edge"), np.ones(width) / width, "valid")
 
-    def later(t: float) -> float:
-        return t + float(np.interp(t, np.arange(len(lags)), lags))
+    known = np.arange(len(lags))
+
+    def later(t: Array) -> Array:
+        return np.asarray(t + np.interp(t, known, lags))
 
     # where, over all cycles, the movement is slowest: chains from each phase of the first period
-    candidates = np.arange(int(np.ceil(tau)))
-    chains = []
-    for c in candidates:
-        chain = [float(c)]
-        while (following := later(chain[-1])) <= n - 1 and following > chain[-1]:
-            chain.append(following)
-        chains.append(np.array(chain))
-    cost = [float(np.interp(c, np.arange(n), smooth).mean()) for c in chains]
-    return chains[int(np.argmin(cost))]
+    chains: list[Array] = [np.arange(np.ceil(tau), dtype=np.float64)]
+    while (following := later(chains[-1]))[0] <= n - 1 and len(chains) < n:
+        chains.append(following)
+    chain = np.stack(chains)
+    inside = chain <= n - 1
+    slow = np.where(inside, np.interp(chain, np.arange(n), smooth), 0.0).sum(axis=0) / inside.sum(axis=0)
+    best = int(np.argmin(slow))
+    return np.asarray(chain[inside[:, best], best])
 
 
 def find(
@@ -124,16 +132,17 @@ def find(
     noise_speed = float(np.sqrt(2.0 * moments.noise)) * moments.fps
     cuts = boundaries(moments.speed[start:end], fine, noise_speed)
     found = []
-    for a, b in zip(cuts[:-1], cuts[1:], strict=True):
+    for a, b in pairwise(cuts.tolist()):
         phase, residual = _sides(moments, start + a, start + b, alternating=alternating)
         ratio = moments.source_fps / moments.fps
+        share = max(residual - moments.noise, 0.0) / max(range_, 1e-12)
         found.append(
             Cycle(
                 int(min(round((start + a) * ratio), moments.source_frames - 1)),
                 int(min(round((start + b) * ratio), moments.source_frames)),
                 float(b - a) / moments.fps,
-                phase,
-                None if residual is None else max(residual - moments.noise, 0.0) / max(range_, 1e-12),
+                phase if share < _ALIKE else None,
+                share,
             )
         )
     return tuple(found), float(fine.mean()) / moments.fps
@@ -147,21 +156,19 @@ def stability(cycles: tuple[Cycle, ...], residual: float | None) -> Stability | 
     return Stability(float(periods.std() / periods.mean()), residual)
 
 
-def _sides(moments: Moments, start: float, end: float, *, alternating: bool) -> tuple[float | None, float | None]:
+def _sides(moments: Moments, start: float, end: float, *, alternating: bool) -> tuple[float | None, float]:
     """Phase of right against left, and mean D* at the best shift, of one cycle."""
     at = start + np.arange(PHASES) / PHASES * (end - start)
     index = np.minimum(np.round(at).astype(np.intp), moments.count - 1)
     _, mirrored = moments.thinned(index)
-    own = np.array([float(np.mean(_shifted_diagonal(mirrored, s))) for s in range(PHASES)])
+    own = _by_shift(mirrored)
     centre = PHASES // 2 if alternating else 0
     if moments.poses is None:
         return None, float(own[_near(centre)].min())
     q = moments.poses.quaternions[index]
-    cost = np.zeros(PHASES)
-    for left, right in zip(_LIMBS, _OTHERS, strict=True):
-        alike = np.abs(q[:, left] @ quaternion.mirror(q[:, right]).T)
-        # cost[s]: right at phase p + s against left at phase p
-        cost += np.array([1.0 - float(np.mean(_shifted_diagonal(alike, s))) for s in range(PHASES)])
+    # cost[s]: right at phase p + s against left at phase p
+    alike = np.abs(np.einsum("plc,slc->lps", q[:, _LIMBS], quaternion.mirror(q[:, _OTHERS])))
+    cost = len(_LIMBS) - _by_shift(alike.sum(axis=0))
     near = _near(centre)
     best = int(near[int(np.argmin(cost[near]))])
     low, mid, high = cost[best - 1], cost[best], cost[(best + 1) % PHASES]
@@ -177,6 +184,6 @@ def _near(centre: int) -> NDArray[np.intp]:
     return np.asarray((centre + np.arange(-(PHASES // 4), PHASES // 4 + 1)) % PHASES)
 
 
-def _shifted_diagonal(matrix: Distances, shift: int) -> Distances:
-    rows = np.arange(len(matrix))
-    return matrix[rows, (rows + shift) % len(matrix)]
+def _by_shift(matrix: Distances) -> Array:
+    """Mean of each diagonal of a matrix over phases, wrapped round: entry s compares phase p with phase p + s."""
+    return np.asarray(matrix[_ROWS, _SHIFTED].mean(axis=1), dtype=np.float64)

@@ -32,6 +32,8 @@ _GLIDE_BAND: Final = 0.3
 _NARROW: Final = 0.15
 _RECURRED: Final = 0.3
 """A moment has its return when the residual of the period is below this."""
+_CYCLES_COMPARED: Final = 12
+_PHASES_COMPARED: Final = 12
 _ONCE_MOMENTS: Final = 600
 """Moments of a movement made once that are compared all with all; of a longer one every other, third, … is taken."""
 _EDGE: Final = 0.01
@@ -65,6 +67,8 @@ class CyclicEvidence:
     """How many periods long the moving part is."""
     coverage: float
     """Share of the moving moments that return a period later."""
+    unity: float
+    """Residual between cycles anywhere in the stretch: large where one cyclic movement follows another."""
     turn_speed: float | None
     """Speed at the best reversals over the mean speed: 0 at a true turning."""
     range: float
@@ -152,9 +156,34 @@ def cyclic(
         tau,
         (moving[1] - moving[0]) / tau,
         coverage,
+        _unity(moments, start, path, moving, float(np.median(ranges[cycling]))),
         medians["turn"],
         float(np.median(ranges[cycling])),
     )
+
+
+def _unity(moments: Moments, start: int, path: lags.LagPath, moving: tuple[int, int], scale: float) -> float:
+    """Mean residual between the same phases of cycles that lie apart, of up to a dozen cycles spread over the stretch."""
+    known = np.arange(len(path.lags))
+    beginnings = [float(moving[0])]
+    while True:
+        length = float(np.interp(beginnings[-1], known, path.lags))
+        if beginnings[-1] + 2.0 * length > moving[1] or len(beginnings) > moments.count:
+            break
+        beginnings.append(beginnings[-1] + length)
+    # what leads into the cycles and out of them is not of them
+    beginnings = [b for b in beginnings if _held(path.costs, int(b), round(path.lag)) < _CYCLING * scale]
+    if len(beginnings) < 2:
+        return 0.0
+    chosen = np.array(beginnings)[np.unique(np.linspace(0, len(beginnings) - 1, _CYCLES_COMPARED).round().astype(int))]
+    lengths = np.interp(chosen, known, path.lags)
+    phases = np.arange(_PHASES_COMPARED) / _PHASES_COMPARED
+    index = np.minimum((chosen[:, None] + phases * lengths[:, None]).round().astype(np.intp), moving[1] - 1)
+    d, _ = moments.thinned(start + index.ravel())
+    count = len(chosen)
+    pairs = d.reshape(count, _PHASES_COMPARED, count, _PHASES_COMPARED)
+    same_phase = np.einsum("ipjp->ij", pairs) / _PHASES_COMPARED
+    return max(float(same_phase[np.triu_indices(count, 1)].mean()) - moments.noise, 0.0) / scale
 
 
 def _held(costs: Array, start: int, width: int) -> float:
