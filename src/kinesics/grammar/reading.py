@@ -627,7 +627,11 @@ def read(moments: Moments, progress: Progress = silent) -> Reading:
     marks = _marks(moments, place, near)
     states = [_state_of(moments, group, near) for group in _cluster(moments, marks, near.state)]
     states = _refined(moments, states, near)
-    while states:
+    while True:
+        if not states:
+            # a cycle without stop, turning back or parting of ways has its state at its slowest moment
+            slowest = int(moments.speed.argmin())
+            states = [_state_of(moments, [_Mark(slowest, True)], near)]
         visits = _visits(moments, states, near.visit)
         shadows = _shadows(moments, states, visits, near)
         if shadows:
