@@ -268,12 +268,11 @@ def _marks(moments: Moments, place: _Localised, near: Nearness) -> list[_Mark]:
         if not place.new[start]:
             marks += [_Mark(t, True) for t in _turns_on_ground(moments, place.where[start:end], start, near)]
     reach = min(n - 1, max(2, round(_TURN_REACH * moments.fps)))
-    d, s = moments.by_lag(reach)
+    d, _ = moments.by_lag(reach)
     marks += [_Mark((a + b) // 2, True) for a, b in _stops(d, near, max(2, round(_STILL * moments.fps)))]
     slow = _local_minima(moments.speed)
-    marks += [_Mark(t, True) for t in slow if _turns_back(d, d, t, near)]
-    alike = [t for t in _local_minima(moments.symmetry) if moments.symmetry[t] < near.same]
-    marks += [_Mark(t, True) for t in alike if _turns_back(s, d, t, near)]
+    marks += [_Mark(t, True) for t in slow if _turns_back(d, t, near)]
+    marks += [_Mark(t, True) for t in _symmetric_passages(moments, near) if _rises(moments.symmetry, t, near)]
     return _absorbed(moments, marks, near)
 
 
@@ -292,6 +291,25 @@ def _absorbed(moments: Moments, marks: list[_Mark], near: Nearness) -> list[_Mar
                 continue
         out.append(mark)
     return out
+
+
+def _symmetric_passages(moments: Moments, near: Nearness) -> list[int]:
+    """Moments at which the movement goes through a pose that is its own mirror image (between the samples too)."""
+    depths = _valleys(moments.symmetry.astype(np.float32))
+    return [t for t in _local_minima(moments.symmetry) if depths[t] < near.same]
+
+
+def _rises(values: Array, t: int, near: Nearness) -> bool:
+    """Whether a minimum stands alone: to both sides the values rise well above what is near before they fall again.
+
+    In a movement that is symmetric throughout no pose is a state for being so.
+    """
+    limit = max(6 * near.same, 0.1 * near.spread)
+    for side in (values[t::-1], values[t:]):
+        high = np.flatnonzero(side > limit)
+        if not len(high) or (side[1 : high[0]] < values[t]).any():
+            return False
+    return True
 
 
 def _local_minima(values: Array) -> list[int]:
@@ -343,19 +361,19 @@ def _stops(d: Floats, near: Nearness, least: int) -> list[tuple[int, int]]:
     return out
 
 
-def _turns_back(m: Floats, d: Floats, centre: int, near: Nearness) -> bool:
-    """Whether the movement after a moment is (mirrored) what it was before, backwards, until it is well away from it.
+def _turns_back(d: Floats, centre: int, near: Nearness) -> bool:
+    """Whether the movement after a moment is what it was before, backwards, until it is well away from it.
 
-    ``m`` and ``d`` are by lag: m[k, t] is between moments t and t + k.
+    ``d`` is by lag: d[k, t] is between moments t and t + k.
     """
-    n = m.shape[1]
+    n = d.shape[1]
     i = j = centre
     while True:
         best, step = np.inf, (0, 0)
         for a, b in ((1, 1), (2, 1), (1, 2), (1, 0), (0, 1)):
             x, y = i - a, j + b
-            if x >= 0 and y < n and y - x < len(m) and m[y - x, x] < best:
-                best, step = float(m[y - x, x]), (a, b)
+            if x >= 0 and y < n and y - x < len(d) and d[y - x, x] < best:
+                best, step = float(d[y - x, x]), (a, b)
         if step == (0, 0) or best > near.same:
             return False
         i, j = i - step[0], j + step[1]
