@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import itertools
 import re
+import unicodedata
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Final, NamedTuple
 
@@ -77,8 +78,9 @@ def path_base(from_label: str, to_label: str, symmetric: bool) -> tuple[str, boo
     if starred:
         from_label, to_label = mirror_state_label(from_label), mirror_state_label(to_label)
     names = [label.rstrip(BAR) for label in (from_label, to_label)]
-    plain = all(_LETTER.fullmatch(name.rstrip(MIRROR)) for name in names)
-    joined = "".join(n.lower() for n in names) if plain else "-".join(n.lower() if len(n) == 1 else n for n in names)
+    plain = [_LETTER.fullmatch(name.rstrip(MIRROR)) is not None for name in names]
+    small = [name.lower() if letter else name for name, letter in zip(names, plain, strict=True)]
+    joined = ("" if all(plain) else "-").join(small)
     return joined + BAR * symmetric, starred
 
 
@@ -273,7 +275,7 @@ def pretty_label(label: str) -> str:
         index, tail = index[:-2], ")*"
     if BAR in name:
         name = "".join(c + _OVERLINE for c in name.replace(BAR, ""))
-    return name + index.translate(_SUBSCRIPTS) + tail
+    return unicodedata.normalize("NFC", name) + index.translate(_SUBSCRIPTS) + tail
 
 
 def mathtext(label: str, *, index: bool = True) -> str:

@@ -1,10 +1,48 @@
-"""Random motion graphs of any size, without recordings: shapes for layouts, comparisons and exchange."""
+"""Motion graphs for tests: the performer's answers, whose timelines are known, and random shapes of any size."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from kinesics.grammar.graph import MotionGraph, Path, State, build
+from kinesics.grammar.graph import MotionGraph, Occurrence, Path, Source, State, Stay, build
+from kinesics.performer import Truth
+
+
+def graph_of(truth: Truth, name: str = "") -> MotionGraph:
+    """The graph of a performance with the labels of its score."""
+    states = {s.label: k for k, s in enumerate(truth.states)}
+    paths = {p.label: k for k, p in enumerate(truth.paths)}
+
+    def image(label: str, mirror_of: str | None, ids: dict[str, int]) -> int | None:
+        return None if mirror_of in (None, label) else ids[mirror_of]
+
+    return MotionGraph(
+        tuple(
+            State(
+                states[s.label],
+                s.label,
+                s.symmetric,
+                image(s.label, s.mirror_of, states),
+                tuple(Stay(0, r.start, r.end) for r in s.stays),
+            )
+            for s in truth.states
+        ),
+        tuple(
+            Path(
+                paths[p.label],
+                p.label,
+                states[p.from_],
+                states[p.to],
+                int(p.label.rstrip(")*").rpartition("_")[2]),
+                p.reversible,
+                image(p.label, p.mirror_of, paths),
+                occurrences=tuple(Occurrence(0, o.start, o.end, o.reversed, o.complete) for o in p.occurrences),
+                symmetric=p.mirror_of == p.label,
+            )
+            for p in truth.paths
+        ),
+        (Source(name or truth.movement, truth.frame_count, truth.fps),),
+    )
 
 
 def random_graph(states: int, seed: int = 0) -> MotionGraph:
@@ -30,9 +68,7 @@ def random_graph(states: int, seed: int = 0) -> MotionGraph:
             edges.append(Path(k, from_=a, to=b, reversible=reversible, symmetric=symmetric))
         elif None not in mirrored and rng.random() < 0.7:
             edges.append(Path(k, from_=a, to=b, reversible=reversible, mirror_of=k + 1))
-            edges.append(
-                Path(k + 1, from_=mirrored[0] or 0, to=mirrored[1] or 0, reversible=reversible, mirror_of=k)
-            )
+            edges.append(Path(k + 1, from_=mirrored[0] or 0, to=mirrored[1] or 0, reversible=reversible, mirror_of=k))
         else:
             edges.append(Path(k, from_=a, to=b, reversible=reversible))
 
