@@ -272,7 +272,7 @@ def _marks(moments: Moments, place: _Localised, near: Nearness) -> list[_Mark]:
     marks += [_Mark((a + b) // 2, True) for a, b in _stops(d, near, max(2, round(_STILL * moments.fps)))]
     slow = _local_minima(moments.speed)
     marks += [_Mark(t, True) for t in slow if _turns_back(d, t, near)]
-    marks += [_Mark(t, True) for t in _symmetric_passages(moments, near) if _rises(moments.symmetry, t, near)]
+    marks += [_Mark(t, True) for t in _symmetric_passages(moments, near) if _stands_alone(moments, t, near)]
     return _absorbed(moments, marks, near)
 
 
@@ -299,15 +299,21 @@ def _symmetric_passages(moments: Moments, near: Nearness) -> list[int]:
     return [t for t in _local_minima(moments.symmetry) if depths[t] < near.same]
 
 
-def _rises(values: Array, t: int, near: Nearness) -> bool:
-    """Whether a minimum stands alone: to both sides the values rise well above what is near before they fall again.
+def _stands_alone(moments: Moments, t: int, near: Nearness) -> bool:
+    """Whether a symmetric pose is passed, and not part of a symmetric movement: before the symmetry is lost on either side
+    the movement does not get far, and then it is lost well.
 
     In a movement that is symmetric throughout no pose is a state for being so.
     """
     limit = max(6 * near.same, 0.1 * near.spread)
-    for side in (values[t::-1], values[t:]):
+    values = moments.symmetry
+    for step in (-1, 1):
+        side = values[t::step]
         high = np.flatnonzero(side > limit)
         if not len(high) or (side[1 : high[0]] < values[t]).any():
+            return False
+        lost = t + step * int(np.argmax(side > 3 * near.same))
+        if float(_between(moments, np.array([t]), np.array([lost]))[0][0, 0]) > near.away:
             return False
     return True
 
