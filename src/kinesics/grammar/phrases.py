@@ -20,6 +20,7 @@ apart they are.
 from __future__ import annotations
 
 import dataclasses
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
@@ -44,7 +45,7 @@ CHANCE: Final = 0.4
 """Residual of a path from which on it counts for nothing."""
 STILL: Final = float(2.0 * np.sin(np.deg2rad(5.0) / 4.0))
 """√(2D) of 5° r.m.s. in all joints: people at rest sway by one or two degrees."""
-REST_S: Final = 1.5
+REST_S: Final = 3.0
 """A rest of so long is a phrase."""
 SHORTEST_S: Final = 1.2
 """The shortest phrase."""
@@ -52,16 +53,28 @@ _RANGE: Final = 1.3
 """Times the mean distance in a stretch: about the 75th percentile, and steadier."""
 _VALLEY: Final = 0.3
 """A valley of the crossing curve parts two phrases when it falls below this share of the lower hill."""
-_HILL: Final = 0.02
+_HILL: Final = 0.005
 """Least height of a hill, seconds²."""
 _FOOT: Final = 0.05
 """Below this share of its height a hill has ended."""
+_TOP: Final = 0.3
+"""Above this share of its height is the core of a hill."""
+_FURTHER: Final = 2.0
+"""Recurrences this many times as far off as the nearest one do not count."""
+_LIKE: Final = 0.5
+"""What lies between two phrases belongs to one of them if it is nearer to it than this share of how far apart they are."""
+GAP_S: Final = 2.5
+"""What recurs nowhere for so long is a movement of its own."""
+_MARGIN_S: Final = 0.5
+_SLACK_S: Final = 1.0
+_CORE_S: Final = 10.0
+"""Most of a core that moments near its border are compared with."""
 _CALM: Final = 0.4
 """A moment is calm whose speed is below this share of that of the liveliest moments on either side of it."""
 _SMOOTH_S: Final = 0.3
 _SAMPLES: Final = 8
 """Stretches of each phrase that are looked for in the others."""
-_KIN: Final = 0.4
+_KIN: Final = 0.5
 """Mean residual up to which two phrases are of one kind."""
 
 
@@ -107,6 +120,7 @@ def find_phrases(moments: Moments) -> tuple[Phrase, ...]:
         last = b
     pieces = _joined(coarse, pieces)
     kinds = _kinds(coarse, pieces)
+    pieces, kinds = _merged(pieces, kinds)
     out: list[Phrase] = []
     for piece, kind in zip(pieces, kinds, strict=True):
         start, end = piece.start * step, moments.count if piece.end == n else piece.end * step
@@ -169,14 +183,28 @@ def _crossing(coarse: Moments, by_lag: tuple[Floats, Floats]) -> Array:
     out = np.zeros(n)
     if not widths:
         return out
-    strength = _recurrences(coarse, by_lag, widths)
-    reach = strength.shape[0]
+    strength = _near_ones(_recurrences(coarse, by_lag, widths))
     change = np.zeros(n + 1)
     change[:n] += strength.sum(axis=0, dtype=np.float64)
     lag, first = np.nonzero(strength)
     np.subtract.at(change, np.minimum(first + lag, n), strength[lag, first])
-    del reach
     return np.maximum(np.cumsum(change)[:n], 0.0) / coarse.fps**2
+
+
+def _near_ones(strength: Floats) -> Floats:
+    """Without recurrences much further off than the nearest ones: a movement done before and after another one is two phrases."""
+    reach, n = strength.shape
+    top = strength.max(axis=0)
+    for k in range(reach):
+        np.maximum(top[k:], strength[k, : n - k], out=top[k:])
+    nearest = np.full(n, reach, dtype=np.intp)
+    for k in range(reach - 1, 0, -1):
+        row = strength[k, : n - k]
+        nearest[: n - k][(row > 0.0) & (row >= 0.5 * top[: n - k])] = k
+        nearest[k:][(row > 0.0) & (row >= 0.5 * top[k:])] = k
+    for k in range(1, reach):
+        strength[k, : n - k][k > _FURTHER * np.maximum(nearest[: n - k], nearest[k:])] = 0.0
+    return strength
 
 
 def _recurrences(coarse: Moments, by_lag: tuple[Floats, Floats], widths: Sequence[int]) -> Floats:
@@ -293,50 +321,125 @@ def _calmness(coarse: Moments) -> Array:
 def _cut(coarse: Moments, weight: Array, speed: Array, start: int, end: int) -> list[_Piece]:
     """A stretch without rests, cut into hills of the crossing curve and what lies between them."""
     shortest = SHORTEST_S * coarse.fps
-    if end - start < 2 * shortest:
-        return [_Piece(start, end, recurs=bool(weight[start:end].max() > _HILL))]
-    hills = _hills(weight[start:end])
-    if not hills:
-        marks = _calm_moments(speed, start, end, shortest)
-        bounds = [start, *marks, end]
-        return [_Piece(a, b) for a, b in zip(bounds[:-1], bounds[1:], strict=True)]
-    pieces: list[_Piece] = []
-    here = start
-    for k, (_, right) in enumerate(hills):
-        is_last = k == len(hills) - 1
-        left_end = start + right
-        if is_last:
-            marks = _between(speed, left_end, end, end, shortest, coarse.fps)
-            marks = marks if end - left_end > shortest else []
-            stop = marks[0] if marks else end
-            first_gap = _leading(speed, start, start + hills[0][0], shortest, coarse.fps) if k == 0 else []
-            pieces.extend(_with_lead(here, stop, first_gap))
-            bounds = [*marks, end] if marks else []
-            pieces.extend(_Piece(a, b) for a, b in zip(bounds[:-1], bounds[1:], strict=True))
-            break
-        next_start = start + hills[k + 1][0]
-        marks = _between(speed, left_end, next_start, end, shortest, coarse.fps)
-        first_gap = _leading(speed, start, start + hills[0][0], shortest, coarse.fps) if k == 0 else []
-        pieces.extend(_with_lead(here, marks[0], first_gap))
-        pieces.extend(_Piece(a, b) for a, b in zip(marks[:-1], marks[1:], strict=True))
-        here = marks[-1]
-    return pieces
+    cores = _without_leaning(coarse, _cores(weight, speed, start, end, coarse.fps))
+    if end - start < 2 * shortest or len(cores) < 2:
+        return [_Piece(start, end, recurs=any(c.recurs for c in cores))]
+    borders = [_border(coarse, speed, a, b, start, end) for a, b in itertools.pairwise(cores)]
+    # borders are found pair by pair: keep them in order
+    bounds = [start, *np.maximum.accumulate(borders).tolist(), end]
+    return [_Piece(a, b, recurs=c.recurs) for (a, b), c in zip(itertools.pairwise(bounds), cores, strict=True) if b > a]
 
 
-def _with_lead(start: int, end: int, marks: list[int]) -> list[_Piece]:
-    """A hill, and before it what is made once."""
-    bounds = [start, *[m for m in marks if start < m < end], end]
-    pieces = [_Piece(a, b) for a, b in zip(bounds[:-1], bounds[1:], strict=True)]
-    pieces[-1] = dataclasses.replace(pieces[-1], recurs=True)
-    return pieces
+def _cores(weight: Array, speed: Array, start: int, end: int, fps: float) -> list[_Piece]:
+    """What surely belongs to each phrase: the upper part of each hill, and the middle of what recurs nowhere."""
+    shortest = SHORTEST_S * fps
+    cores: list[_Piece] = []
+    last = start
+
+    def once(low: int, high: int) -> None:
+        if high - low < GAP_S * fps:
+            return
+        margin = round(_MARGIN_S * fps)
+        low, high = low + (margin if low > start else 0), high - (margin if high < end else 0)
+        bounds = [low, *_calm_moments(speed, low, high, shortest), high]
+        cores.extend(_Piece(a, b) for a, b in itertools.pairwise(bounds))
+
+    for hill in _hills(weight[start:end]):
+        once(last, start + hill.foot[0])
+        cores.append(_Piece(start + hill.top[0], start + hill.top[1], recurs=True))
+        last = start + hill.foot[1]
+    once(last, end)
+    return cores
 
 
-def _leading(speed: Array, start: int, foot: int, shortest: float, fps: float) -> list[int]:
-    return _between(speed, start, foot, foot, shortest, fps)[-1:] if foot - start > shortest else []
+def _without_leaning(coarse: Moments, cores: list[_Piece]) -> list[_Piece]:
+    """Without what is made once but is like the phrase before or after it: an exercise that is only beginning."""
+    half = max(2, round(SCALES_S[0] * coarse.fps))
+
+    def apart(a: _Piece, b: _Piece) -> float:
+        there, back = (_nearest(coarse, x.start, x.end, y.start, y.end, half) for x, y in ((a, b), (b, a)))
+        return max(float(np.median(there)), float(np.median(back)))
+
+    return [
+        core
+        for k, core in enumerate(cores)
+        if core.recurs
+        or not 0 < k < len(cores) - 1
+        or min(apart(core, cores[k - 1]), apart(core, cores[k + 1])) >= _LIKE * apart(cores[k - 1], cores[k + 1])
+    ]
 
 
-def _hills(weight: Array) -> list[tuple[int, int]]:
-    """Feet of the hills that valleys part: (left, right), in order."""
+def _border(coarse: Moments, speed: Array, a: _Piece, b: _Piece, start: int, end: int) -> int:
+    """Where one phrase ends and the next begins.
+
+    Each moment between two cores, with what surrounds it, is nearer to one or to the other: the border is where most are on
+    their own side. Between two that are made once the body is calm, and that is the border.
+    """
+    if not (a.recurs or b.recurs):
+        return int(np.clip(round(0.5 * (a.end + b.start)), start + 1, end - 1))
+    half = max(2, round(SCALES_S[0] * coarse.fps))
+    slack = round(_SLACK_S * coarse.fps)
+    low, high = max(start + 1, min(a.end, b.start) - slack), min(end - 1, max(a.end, b.start) + slack)
+    if high - low < 2:
+        return low
+    most = round(_CORE_S * coarse.fps)
+    left = _nearest(coarse, low, high, max(a.start, a.end - most), a.end, half)
+    right = _nearest(coarse, low, high, b.start, min(b.end, b.start + most), half)
+    with np.errstate(invalid="ignore"):
+        gain = np.where(np.isfinite(left) & np.isfinite(right), left - right, 0.0)
+    # the border before moment low + k: those before it are on the left
+    cost = np.concatenate([[0.0], np.cumsum(gain)])
+    return low + int(np.argmin(cost))
+
+
+def _nearest(coarse: Moments, low: int, high: int, first: int, last: int, half: int) -> Array:
+    """√(2D) of each moment in [low, high), with what surrounds it, to the nearest in [first, last), the same or mirrored.
+
+    What overlaps it in time does not count: a moment is always like the one before it.
+    """
+    n = coarse.count
+    r0, r1 = max(0, low - half), min(n, high + half)
+    c0, c1 = max(0, first - half), min(n, last + half)
+    best = np.full((r1 - r0, c1 - c0), np.inf, dtype=np.float32)
+    for tile in coarse.tile(slice(r0, r1), slice(c0, c1)):
+        np.minimum(best, _tile_paths(tile, half), out=best)
+    rows, cols = np.arange(r0, r1), np.arange(c0, c1)
+    best[np.abs(rows[:, None] - cols) <= 2 * half] = np.inf
+    out = np.full(high - low, np.inf)
+    if len(cols):
+        out[:] = chord(
+            best[low - r0 : high - r0, first - c0 : last - c0].min(axis=1, initial=np.inf).astype(np.float64)
+        )
+    return out
+
+
+def _tile_paths(tile: Floats, half: int) -> Floats:
+    """Mean distance along the cheapest path of ``half`` steps of the row both ways through each cell; inf near the edges."""
+    bend = np.float32(lags.bend_cost(tile))
+    after, before = tile, tile
+    for _ in range(half):
+        best = np.full_like(tile, np.inf)
+        best[:-1, :-1] = after[1:, 1:]
+        np.minimum(best[:-1], after[1:] + bend, out=best[:-1])
+        np.minimum(best[:-1, :-2], after[1:, 2:] + bend, out=best[:-1, :-2])
+        after = tile + best
+        best = np.full_like(tile, np.inf)
+        best[1:, 1:] = before[:-1, :-1]
+        np.minimum(best[1:], before[:-1] + bend, out=best[1:])
+        np.minimum(best[1:, 2:], before[:-1, :-2] + bend, out=best[1:, 2:])
+        before = tile + best
+    out: Floats = (after + before - tile) / np.float32(2 * half + 1)
+    return out
+
+
+@dataclass(frozen=True)
+class _Hill:
+    foot: tuple[int, int]
+    top: tuple[int, int]
+
+
+def _hills(weight: Array) -> list[_Hill]:
+    """The hills that valleys part, in order."""
     n = len(weight)
     # watershed from above: each top grows; where two meet at a height above the share, the lower one joins the higher
     order = np.argsort(-weight, kind="stable")
@@ -369,61 +472,73 @@ def _hills(weight: Array) -> list[tuple[int, int]]:
     for t in range(n):
         if owner[t] >= 0:
             groups.setdefault(root(owner[t]), []).append(t)
-    feet = []
+    hills = []
     for k, members in groups.items():
         if top[k] < _HILL:
             continue
-        high = [t for t in members if weight[t] > _FOOT * top[k]]
-        feet.append((high[0], high[-1] + 1))
-    return sorted(feet)
-
-
-def _between(speed: Array, left: int, right: int, limit: int, shortest: float, fps: float) -> list[int]:
-    """Borders between a hill that ends at ``left`` and one that begins at ``right``: one, or several with pieces between."""
-    slack = max(1, round(0.3 * fps))
-    low, high = max(1, min(left, right) - slack), min(limit - 1, max(left, right) + slack, len(speed) - 1)
-    if high <= low:
-        return [min(max(low, 1), len(speed) - 1)]
-    calm = _calm_moments(speed, low, high, shortest)
-    if len(calm) >= 2 and calm[-1] - calm[0] >= shortest:
-        return calm
-    return [low + int(np.argmin(speed[low : high + 1]))]
+        foot = [t for t in members if weight[t] > _FOOT * top[k]]
+        high = [t for t in members if weight[t] > _TOP * top[k]]
+        hills.append(_Hill((foot[0], foot[-1] + 1), (high[0], high[-1] + 1)))
+    return sorted(hills, key=lambda h: h.foot)
 
 
 def _calm_moments(speed: Array, low: int, high: int, shortest: float) -> list[int]:
-    """Moments in (low, high) that are calm against what lies on either side, at least ``shortest`` apart."""
+    """Moments in (low, high) that are calm against what lies on either side, at least ``shortest`` apart; of a rest the middle."""
     inner = speed[low : high + 1]
-    found: list[int] = []
+    found: list[tuple[float, int]] = []
     for t in range(low + 1, min(high, len(speed) - 1)):
         if not (speed[t] <= speed[t - 1] and speed[t] < speed[t + 1]):
             continue
-        before, after = inner[: t - low + 1].max(), inner[t - low :].max()
-        if speed[t] < _CALM * min(before, after):
-            found.append(t)
+        calm = _CALM * min(float(inner[: t - low + 1].max()), float(inner[t - low :].max()))
+        if speed[t] < calm:
+            a = b = t
+            level = max(float(speed[t]), 0.5 * calm)
+            while a > low + 1 and speed[a - 1] <= level:
+                a -= 1
+            while b < high - 1 and b < len(speed) - 1 and speed[b + 1] <= level:
+                b += 1
+            found.append((float(speed[t]), (a + b) // 2))
     chosen: list[int] = []
-    for t in sorted(found, key=lambda t: speed[t]):
+    for _, t in sorted(found):
         if all(abs(t - c) >= shortest for c in chosen):
             chosen.append(t)
     return sorted(chosen)
 
 
 def _joined(coarse: Moments, pieces: list[_Piece]) -> list[_Piece]:
-    """Pieces that are too short, joined to their shorter neighbour that moves."""
+    """Pieces that are too short, joined to a neighbour: to the shorter one that moves, or, if half as long, to a rest."""
     shortest = SHORTEST_S * coarse.fps
     out = list(pieces)
     while len(out) > 1:
-        short = [k for k, p in enumerate(out) if p.end - p.start < shortest and not p.still]
-        neighbours: list[tuple[int, int]] = []
-        for k in short:
-            near = [m for m in (k - 1, k + 1) if 0 <= m < len(out) and not out[m].still]
-            if near:
-                neighbours.append((k, min(near, key=lambda m: out[m].end - out[m].start)))
-        if not neighbours:
+        for k, piece in enumerate(out):
+            if piece.still or piece.end - piece.start >= shortest:
+                continue
+            near = [m for m in (k - 1, k + 1) if 0 <= m < len(out)]
+            moving = [m for m in near if not out[m].still]
+            if not moving and piece.end - piece.start >= 0.5 * shortest:
+                continue
+            m = min(moving or near, key=lambda m: out[m].end - out[m].start)
+            a, b = min(k, m), max(k, m)
+            recurs = out[a].recurs or out[b].recurs
+            out[a : b + 1] = [_Piece(out[a].start, out[b].end, still=out[m].still, recurs=recurs and not out[m].still)]
             break
-        k, m = neighbours[0]
-        a, b = min(k, m), max(k, m)
-        out[a : b + 1] = [_Piece(out[a].start, out[b].end, recurs=out[a].recurs or out[b].recurs)]
+        else:
+            break
     return out
+
+
+def _merged(pieces: list[_Piece], kinds: list[int]) -> tuple[list[_Piece], list[int]]:
+    """Neighbours of one kind are one phrase."""
+    out: list[_Piece] = []
+    numbers: list[int] = []
+    for piece, kind in zip(pieces, kinds, strict=True):
+        if numbers and numbers[-1] == kind:
+            before = out[-1]
+            out[-1] = _Piece(before.start, piece.end, before.still and piece.still, recurs=not piece.still)
+        else:
+            out.append(piece)
+            numbers.append(kind)
+    return out, numbers
 
 
 def _kinds(coarse: Moments, pieces: list[_Piece]) -> list[int]:
@@ -432,15 +547,16 @@ def _kinds(coarse: Moments, pieces: list[_Piece]) -> list[int]:
     apart = np.ones((count, count))
     starts = np.array([p.start for p in pieces])
     for a, piece in enumerate(pieces):
-        if piece.still:
-            continue
-        found = _found(coarse, piece, starts)
-        apart[a] = found
+        if not piece.still:
+            apart[a] = _found(coarse, piece, starts)
     both = np.maximum(apart, apart.T)
-    for a, piece in enumerate(pieces):
-        for b, other in enumerate(pieces):
-            if piece.still or other.still:
-                both[a, b] = 0.0 if piece.still and other.still else 2.0
+    rests = [k for k, p in enumerate(pieces) if p.still]
+    both[rests] = both[:, rests] = 2.0
+    middles = np.array([(pieces[k].start + pieces[k].end) // 2 for k in rests], dtype=np.intp)
+    if rests:
+        # the same posture held, or its mirror image
+        held = np.minimum(*coarse.thinned(middles))
+        both[np.ix_(rests, rests)] = np.where(chord(held.astype(np.float64)) <= 2.0 * _sway(coarse), 0.0, 2.0)
     groups: list[list[int]] = [[k] for k in range(count)]
     while True:
         best: tuple[float, int, int] | None = None
