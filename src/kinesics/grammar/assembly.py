@@ -35,6 +35,10 @@ def assemble(read: Reading, moments: Moments, name: str = "") -> MotionGraph:
     return build(states, _paths(read, moments, occurrences), (source,))
 
 
+_LEAD, _TAIL = -1, -2
+"""Numbers of the traversals that the recording begins and ends on."""
+
+
 def _state_id(state: int, mirrored: bool) -> int:
     return 2 * state + mirrored
 
@@ -48,15 +52,18 @@ def _timeline(
     occurrences: list[tuple[int, Occurrence]] = []
     at = 0
     last = len(read.visits) - 1
+    if read.lead is not None:
+        at = max(1, moments.frame_of(read.visits[0].at))
+        occurrences.append((_LEAD, Occurrence(0, 0, at, complete=False)))
     for k, visit in enumerate(read.visits):
         stretch = held[k]
         if k == 0:
-            start, end = 0, moments.frame_of(stretch[1] if stretch else visit.at)
+            start, end = at, moments.frame_of(stretch[1] if stretch else visit.at)
         elif stretch is None:
             start = end = moments.frame_of(visit.at)
         else:
             start, end = moments.frame_of(stretch[0]), moments.frame_of(stretch[1])
-        if k == last:
+        if k == last and read.tail is None:
             end = moments.source_frames
         start, end = max(start, at), max(end, at)
         if k > 0:
@@ -67,6 +74,8 @@ def _timeline(
         if end > start:
             stays.setdefault((visit.state, visit.mirrored), []).append(Stay(0, start, end))
         at = end
+    if read.tail is not None and at < moments.source_frames:
+        occurrences.append((_TAIL, Occurrence(0, at, moments.source_frames, complete=False)))
     return stays, occurrences
 
 
@@ -76,9 +85,14 @@ def _paths(read: Reading, moments: Moments, occurrences: Sequence[tuple[int, Occ
     for k, path in enumerate(read.paths):
         taken = [(n, t) for n, t in enumerate(read.traversals) if t.path == k]
         first = taken[0][1]
+        taken += [
+            (n, t) for n, t in ((_LEAD, read.lead), (_TAIL, read.tail)) if t is not None and t.path == k and n in frames
+        ]
         mirror_cost, mirror_reverse_cost = _reading.self_symmetry(moments, first.start, first.end)
         ends_symmetric = read.states[path.from_[0]].symmetric and read.states[path.to[0]].symmetric
-        symmetric = ends_symmetric and mirror_cost < read.nearness.path
+        symmetric = (
+            path.symmetric if path.symmetric is not None else ends_symmetric and mirror_cost < read.nearness.path
+        )
         crosses = path.from_[0] == path.to[0] and (ends_symmetric or path.from_[1] != path.to[1])
         antipalindromic = not symmetric and crosses and mirror_reverse_cost < read.nearness.path
         sides: dict[bool, list[Occurrence]] = {}
@@ -86,7 +100,7 @@ def _paths(read: Reading, moments: Moments, occurrences: Sequence[tuple[int, Occ
             backwards = t.reversed != (antipalindromic and t.mirrored)
             side = t.mirrored and not (symmetric or antipalindromic)
             f = frames[n]
-            sides.setdefault(side, []).append(Occurrence(f.source, f.start, f.end, backwards))
+            sides.setdefault(side, []).append(Occurrence(f.source, f.start, f.end, backwards, f.complete))
         reversible = antipalindromic or len({o.reversed for side in sides.values() for o in side}) == 2
         for side, seen in sides.items():
             image = 2 * k + (not side) if len(sides) == 2 else None

@@ -10,7 +10,7 @@ A state that leaves no trace (one way in, one way out, no stop, no turning back,
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final, NamedTuple
@@ -18,6 +18,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from kinesics.grammar.cyclic import Cyclic
 from kinesics.grammar.moments import Moments
 from kinesics.progress import Progress, silent
 
@@ -96,6 +97,8 @@ class ReadPath:
     from_: tuple[int, bool]
     """State, and whether its mirror image."""
     to: tuple[int, bool]
+    symmetric: bool | None = None
+    """Whether it is symmetric throughout, where the class of a cyclic movement tells."""
 
 
 @dataclass(frozen=True)
@@ -106,7 +109,12 @@ class Reading:
     paths: tuple[ReadPath, ...]
     visits: tuple[Visit, ...]
     traversals: tuple[Traversal, ...]
+    """One fewer than visits."""
     nearness: Nearness
+    lead: Traversal | None = None
+    """Where the recording begins on the way of a cyclic movement: the path that it is on, begun before."""
+    tail: Traversal | None = None
+    """Where it ends on the way: the path that it is on, not ended."""
 
 
 def judge_nearness(moments: Moments) -> Nearness:
@@ -531,9 +539,18 @@ def _warped(blocks: Floats) -> Array:
 
 
 def _traverse(
-    moments: Moments, states: Sequence[ReadState], visits: Sequence[Visit], near: Nearness
+    moments: Moments,
+    states: Sequence[ReadState],
+    visits: Sequence[Visit],
+    near: Nearness,
+    keys: Mapping[int, tuple[tuple[int, int, int], bool, bool]],
+    symmetric: Mapping[int, bool],
 ) -> tuple[list[ReadPath], list[Traversal]]:
-    """The stretches between visits, equal ones merged: the same, reversed, mirrored or both."""
+    """The stretches between visits, equal ones merged: the same, reversed, mirrored or both.
+
+    Where the class of a cyclic movement tells which path a stretch is (``keys``), its first occurrence alone is compared.
+    """
+    known: dict[tuple[int, int, int], Traversal] = {}
     paths: list[ReadPath] = []
     shapes: list[NDArray[np.intp]] = []
     out: list[Traversal] = []
@@ -541,7 +558,20 @@ def _traverse(
     def image(end: tuple[int, bool]) -> tuple[int, bool]:
         return end if states[end[0]].symmetric else (end[0], not end[1])
 
-    for a, b in pairwise(visits):
+    def note(number: int, path: int, backwards: bool, mirrored: bool) -> Traversal:
+        a, b = visits[number], visits[number + 1]
+        taken = Traversal(a.at, b.at, path, backwards, mirrored)
+        if number in keys:
+            key, way_back, way_mirrored = keys[number]
+            known.setdefault(key, Traversal(a.at, b.at, path, backwards != way_back, mirrored != way_mirrored))
+        return taken
+
+    for number, (a, b) in enumerate(pairwise(visits)):
+        if number in keys and keys[number][0] in known:
+            key, way_back, way_mirrored = keys[number]
+            model = known[key]
+            out.append(note(number, model.path, model.reversed != way_back, model.mirrored != way_mirrored))
+            continue
         here, there = (a.state, a.mirrored), (b.state, b.mirrored)
         points = np.linspace(a.at, b.at, _POINTS).round().astype(np.intp)
         trials: list[tuple[int, bool, bool]] = []
@@ -568,11 +598,12 @@ def _traverse(
             best = int(costs.argmin())
             if costs[best] < near.path:
                 k, reverse, mirror = trials[best]
-                out.append(Traversal(a.at, b.at, k, reverse, mirror))
+                out.append(note(number, k, reverse, mirror))
                 continue
-        paths.append(ReadPath(here, there))
+        told = symmetric.get(keys[number][0][0]) if number in keys else None
+        paths.append(ReadPath(here, there, told))
         shapes.append(points)
-        out.append(Traversal(a.at, b.at, len(paths) - 1, False, False))
+        out.append(note(number, len(paths) - 1, False, False))
     return paths, out
 
 
@@ -644,29 +675,126 @@ def _shadows(moments: Moments, states: Sequence[ReadState], visits: Sequence[Vis
     return out
 
 
-def read(moments: Moments, progress: Progress = silent) -> Reading:
-    """Read states and paths from a recording."""
+_Roles = dict[tuple[int, int], int]
+"""(cyclic stretch, role) to state."""
+
+
+def _with_cyclic(
+    moments: Moments, states: list[ReadState], cyclic: Sequence[Cyclic], near: Nearness
+) -> tuple[list[ReadState], _Roles]:
+    """Add the states of the cyclic stretches; where one lies in a state that is there already, it is that one."""
+    roles: _Roles = {}
+    for number, stretch in enumerate(cyclic):
+        for role in sorted({a.role for a in stretch.anchors}):
+            index = np.array([a.moment for a in stretch.anchors if a.role == role and not a.mirrored], dtype=np.intp)
+            if not len(index):
+                index = np.array([a.moment for a in stretch.anchors if a.role == role], dtype=np.intp)
+            symmetric = next(a.symmetric for a in stretch.anchors if a.role == role)
+            d, _ = _between(moments, index, index)
+            moment = int(index[d.mean(axis=1).argmin()])
+            taken = [k for (n, _), k in roles.items() if n == number]
+            candidates = [k for k, s in enumerate(states) if s.symmetric == symmetric and k not in taken]
+            if candidates:
+                there = np.array([states[k].moment for k in candidates], dtype=np.intp)
+                distances = _between(moments, np.array([moment]), there)[0][0]
+                best = int(distances.argmin())
+                if distances[best] < near.state:
+                    roles[number, role] = candidates[best]
+                    continue
+            roles[number, role] = len(states)
+            states = [*states, ReadState(moment, symmetric, True)]
+    return states, roles
+
+
+def _without(states: Sequence[ReadState], roles: _Roles, gone: set[int]) -> tuple[list[ReadState], _Roles]:
+    kept = [k for k in range(len(states)) if k not in gone]
+    number = {k: i for i, k in enumerate(kept)}
+    return [states[k] for k in kept], {role: number[k] for role, k in roles.items()}
+
+
+def _cyclic_visits(
+    visits: list[Visit], cyclic: Sequence[Cyclic], roles: _Roles
+) -> tuple[list[Visit], dict[int, tuple[tuple[int, int, int], bool, bool]]]:
+    """Visits with those of the cyclic stretches among them; and what is known of the way from a visit to the next one."""
+    keyed: list[tuple[Visit, tuple[tuple[int, int, int], bool, bool] | None]] = [(v, None) for v in visits]
+    for number, stretch in enumerate(cyclic):
+        ways = [((number, *leg.key), leg.reversed, leg.mirrored) for leg in stretch.legs]
+        for anchor, way in zip(stretch.anchors, [*ways, None], strict=True):
+            visit = Visit(anchor.moment, anchor.moment + 1, anchor.moment, roles[number, anchor.role], anchor.mirrored)
+            keyed.append((visit, way))
+    keyed.sort(key=lambda item: item[0].at)
+    return [v for v, _ in keyed], {k: way for k, (_, way) in enumerate(keyed) if way is not None}
+
+
+def _ends(
+    moments: Moments, visits: Sequence[Visit], traversals: Sequence[Traversal], inside: NDArray[np.bool_]
+) -> tuple[Traversal | None, Traversal | None]:
+    """The paths of a cyclic movement that the recording begins and ends on, away from any state."""
+    lead = tail = None
+    first, last = visits[0].at, visits[-1].at
+    if first > 0 and inside[0]:
+        # whatever path arrives in that state later arrives in it now
+        lead = next(
+            (
+                Traversal(0, first, t.path, t.reversed, t.mirrored)
+                for t, v in zip(traversals, visits[1:], strict=True)
+                if (v.state, v.mirrored) == (visits[0].state, visits[0].mirrored)
+            ),
+            None,
+        )
+    if last < moments.count - 1 and inside[-1]:
+        tail = next(
+            (
+                Traversal(last, moments.count - 1, t.path, t.reversed, t.mirrored)
+                for t, v in zip(traversals, visits[:-1], strict=True)
+                if (v.state, v.mirrored) == (visits[-1].state, visits[-1].mirrored)
+            ),
+            None,
+        )
+    return lead, tail
+
+
+def read(moments: Moments, cyclic: Sequence[Cyclic] = (), progress: Progress = silent) -> Reading:
+    """Read states and paths from a recording.
+
+    Parameters
+    ----------
+    cyclic : stretches whose states follow from their class (see `kinesics.grammar.cyclic`), in order, not overlapping.
+    """
     near = judge_nearness(moments)
-    place = _localise(moments, near.same, progress)
-    marks = _marks(moments, place, near)
-    states = [_state_of(moments, group, near) for group in _cluster(moments, marks, near.state)]
-    states = _refined(moments, states, near)
+    inside = np.zeros(moments.count, dtype=np.bool_)
+    for stretch in cyclic:
+        first, last = stretch.anchors[0].moment, stretch.anchors[-1].moment
+        # what leads up to the first state and away from the last one within the cyclic movement is part of it
+        inside[min(stretch.start, first) : max(stretch.end, last + 1)] = True
+    marks: list[_Mark] = []
+    if not inside.all():
+        place = _localise(moments, near.same, progress)
+        marks = [m for m in _marks(moments, place, near) if not inside[m.moment]]
+    states = [_state_of(moments, group, near) for group in _cluster(moments, marks, near.state)] if marks else []
+    states = _refined(moments, states, near) if states else []
+    states, roles = _with_cyclic(moments, states, cyclic, near)
+    fixed = set(roles.values())
+    symmetric = {number: stretch.symmetric for number, stretch in enumerate(cyclic)}
     while True:
         if not states:
             # a cycle without stop, turning back or parting of ways has its state at its slowest moment
             slowest = int(moments.speed.argmin())
             states = [_state_of(moments, [_Mark(slowest, True)], near)]
-        visits = _visits(moments, states, near.visit)
-        shadows = _shadows(moments, states, visits, near)
+        visits = [v for v in _visits(moments, states, near.visit) if not inside[v.at]]
+        visits, keys = _cyclic_visits(visits, cyclic, roles)
+        shadows = _shadows(moments, states, visits, near) - fixed
         if shadows:
-            states = [s for k, s in enumerate(states) if k not in shadows]
+            states, roles = _without(states, roles, shadows)
+            fixed = set(roles.values())
             continue
-        paths, traversals = _traverse(moments, states, visits, near)
+        paths, traversals = _traverse(moments, states, visits, near, keys, symmetric)
         visited = {v.state for v in visits}
-        drop = _traceless(states, visits, traversals) | (set(range(len(states))) - visited)
+        drop = (_traceless(states, visits, traversals) | (set(range(len(states))) - visited)) - fixed
         if not drop:
             break
         # one at a time: two neighbours without trace may be each other's only trace
-        gone = min(drop)
-        states = [s for k, s in enumerate(states) if k != gone]
-    return Reading(tuple(states), tuple(paths), tuple(visits), tuple(traversals), near)
+        states, roles = _without(states, roles, {min(drop)})
+        fixed = set(roles.values())
+    lead, tail = _ends(moments, visits, traversals, inside)
+    return Reading(tuple(states), tuple(paths), tuple(visits), tuple(traversals), near, lead, tail)
