@@ -253,7 +253,7 @@ def state_margin(
 ) -> Axes:
     """Labels of the states on the margin of a square Z/Z* plot, where in time they are met (§3.5).
 
-    Where labels would touch, those of states that are held longest are kept.
+    Labels that would touch stand in two columns; where that is not enough, those of states that are held longest are kept.
 
     Parameters
     ----------
@@ -283,20 +283,23 @@ def state_margin(
     pixels = canvas.pixel_size(ax)[0 if side == "top" else 1]
     low, high = sorted(ax.get_xlim() if side == "top" else ax.get_ylim())
     room = 11.0 * ax.figure.dpi / 72.0 * (high - low) / pixels
-    taken: list[float] = []
+    # two columns: what does not fit into the first stands in the second
+    taken: tuple[list[float], list[float]] = ([], [])
     for (state, moment), length in sorted(met.items(), key=lambda item: (-item[1], item[0][1])):
         # a state entered or left where it is held is shown once, in the middle
         if length == 0.0 and any(s.id == state and a <= moment <= b for s, a, b in held):
             continue
         place = moment * unit
-        if any(abs(place - t) < room for t in taken):
+        free = [column for column in taken if all(abs(place - t) >= room for t in column)]
+        if not free:
             continue
-        taken.append(place)
+        free[0].append(place)
+        offset = 1.01 if free[0] is taken[0] else 1.045
         text = notation.mathtext(graph.state(state).label)
         if side == "right":
-            ax.text(1.01, place, text, transform=ax.get_yaxis_transform(), ha="left", va="center", fontsize=9)
+            ax.text(offset, place, text, transform=ax.get_yaxis_transform(), ha="left", va="center", fontsize=9)
         else:
-            ax.text(place, 1.01, text, transform=ax.get_xaxis_transform(), ha="center", va="bottom", fontsize=9)
+            ax.text(place, offset, text, transform=ax.get_xaxis_transform(), ha="center", va="bottom", fontsize=9)
     return ax
 
 
@@ -481,7 +484,12 @@ def _directions(curves: Sequence[_Curve], state: int, here: Array) -> list[float
 
 def _extent(points: Array, curves: Sequence[_Curve], radius: float) -> tuple[Array, Array]:
     """Lower left and upper right corner of what is drawn, with room for the labels of loops."""
-    everything = np.concatenate([points - radius, points + radius, *(c.points for c in curves), np.zeros((1, 2))])
+    loops = [
+        c.points + 0.4 * (c.points - c.points[[0, -1]].mean(axis=0)) for c in curves if c.arrow.from_ == c.arrow.to
+    ]
+    everything = np.concatenate(
+        [points - radius, points + radius, *(c.points for c in curves), *loops, np.zeros((1, 2))]
+    )
     low, high = everything.min(axis=0) - 0.3, everything.max(axis=0) + 0.3
     # the axis of symmetry is the middle of the picture, unless all is on one side of it
     half = max(-low[0], high[0])
