@@ -207,8 +207,7 @@ def from_dict(values: Mapping[str, Any]) -> MotionGraph:
             for v, at in _list(values, "sources", "graph")
         ),
     )
-    said = values.get("notation")
-    if said is not None and said != graph.notation():
+    if _get(values, "notation", str, "graph") != graph.notation():
         raise InputError("The notation of the graph does not agree with its states and paths.")
     return graph
 

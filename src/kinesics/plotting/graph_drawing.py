@@ -282,7 +282,7 @@ def state_margin(
     unit = 1.0 / fps if fps else 1.0
     pixels = canvas.pixel_size(ax)[0 if side == "top" else 1]
     low, high = sorted(ax.get_xlim() if side == "top" else ax.get_ylim())
-    room = 11.0 * ax.figure.dpi / 72.0 * (high - low) / pixels
+    room = 9.5 * ax.figure.dpi / 72.0 * (high - low) / pixels
     # two columns: what does not fit into the first stands in the second
     taken: tuple[list[float], list[float]] = ([], [])
     for (state, moment), length in sorted(met.items(), key=lambda item: (-item[1], item[0][1])):
