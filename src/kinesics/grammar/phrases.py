@@ -47,7 +47,7 @@ STILL: Final = float(2.0 * np.sin(np.deg2rad(5.0) / 4.0))
 """√(2D) of 5° r.m.s. in all joints: people at rest sway by one or two degrees."""
 REST_S: Final = 3.0
 """A rest of so long is a phrase."""
-SHORTEST_S: Final = 1.2
+SHORTEST_S: Final = 1.5
 """The shortest phrase."""
 _RANGE: Final = 1.3
 """Times the mean distance in a stretch: about the 75th percentile, and steadier."""
@@ -74,7 +74,8 @@ _CALM: Final = 0.4
 _SMOOTH_S: Final = 0.3
 _SAMPLES: Final = 8
 """Stretches of each phrase that are looked for in the others."""
-_KIN: Final = 0.5
+_SEEN_S: Final = 12.0
+_KIN: Final = 0.4
 """Mean residual up to which two phrases are of one kind."""
 
 
@@ -235,6 +236,8 @@ def _recurrences(coarse: Moments, by_lag: tuple[Floats, Floats], widths: Sequenc
 def _paths(distance: Floats, widths: Sequence[int], bend: float, *, backwards: bool) -> dict[int, Floats]:
     """Mean distance along the cheapest path through each pair (i, i + k), so many steps of i before and after it.
 
+    Of the two halves the worse one counts: both must be alike, so that no stretch recurs that reaches into another phrase.
+
     With ``backwards`` one side runs backwards: the lag shrinks by two in a step, else it stays. It may change by one more or
     less in each step, at a cost: one side stands for a moment, or goes at double speed.
     """
@@ -246,10 +249,8 @@ def _paths(distance: Floats, widths: Sequence[int], bend: float, *, backwards: b
         after = _extended(distance, after, [(k, 1, c) for k, c in steps], scratch)
         before = _extended(distance, before, [(-k, -1, c) for k, c in steps], scratch)
         if s in widths:
-            both = after + before
-            known = np.isfinite(both)
-            both[known] -= distance[known]
-            out[s] = both / np.float32(2 * s + 1)
+            worse: Floats = np.maximum(after, before)
+            out[s] = worse / np.float32(s + 1)
     return out
 
 
@@ -276,7 +277,8 @@ def _spread(by_lag: Floats, half: int) -> Array:
         row = np.where(np.isfinite(by_lag[k]), by_lag[k], np.float32(0.0))
         sums = np.concatenate([[0.0], np.cumsum(row, dtype=np.float64)])
         total += 2.0 * (sums[np.maximum(high - k, low)] - sums[low])
-    return total / (high - low) ** 2
+    mean: Array = total / (high - low) ** 2
+    return mean
 
 
 def _rests(coarse: Moments, by_lag: Floats) -> list[tuple[int, int]]:
@@ -324,10 +326,20 @@ def _cut(coarse: Moments, weight: Array, speed: Array, start: int, end: int) -> 
     cores = _without_leaning(coarse, _cores(weight, speed, start, end, coarse.fps))
     if end - start < 2 * shortest or len(cores) < 2:
         return [_Piece(start, end, recurs=any(c.recurs for c in cores))]
-    borders = [_border(coarse, speed, a, b, start, end) for a, b in itertools.pairwise(cores)]
-    # borders are found pair by pair: keep them in order
-    bounds = [start, *np.maximum.accumulate(borders).tolist(), end]
-    return [_Piece(a, b, recurs=c.recurs) for (a, b), c in zip(itertools.pairwise(bounds), cores, strict=True) if b > a]
+    borders: dict[tuple[_Piece, _Piece], int] = {}
+    while True:
+        for pair in itertools.pairwise(cores):
+            if pair not in borders:
+                borders[pair] = _border(coarse, *pair, start, end)
+        inner = [borders[pair] for pair in itertools.pairwise(cores)]
+        # borders are found pair by pair: keep them in order
+        bounds = [start, *np.maximum.accumulate(np.array(inner, dtype=np.intp)).tolist(), end]
+        lengths = np.diff(bounds)
+        if len(cores) < 2 or lengths.min() >= shortest:
+            break
+        # too short to be a phrase: its neighbours share it
+        del cores[int(lengths.argmin())]
+    return [_Piece(a, b, recurs=core.recurs) for (a, b), core in zip(itertools.pairwise(bounds), cores, strict=True)]
 
 
 def _cores(weight: Array, speed: Array, start: int, end: int, fps: float) -> list[_Piece]:
@@ -369,7 +381,7 @@ def _without_leaning(coarse: Moments, cores: list[_Piece]) -> list[_Piece]:
     ]
 
 
-def _border(coarse: Moments, speed: Array, a: _Piece, b: _Piece, start: int, end: int) -> int:
+def _border(coarse: Moments, a: _Piece, b: _Piece, start: int, end: int) -> int:
     """Where one phrase ends and the next begins.
 
     Each moment between two cores, with what surrounds it, is nearer to one or to the other: the border is where most are on
@@ -557,67 +569,65 @@ def _kinds(coarse: Moments, pieces: list[_Piece]) -> list[int]:
         # the same posture held, or its mirror image
         held = np.minimum(*coarse.thinned(middles))
         both[np.ix_(rests, rests)] = np.where(chord(held.astype(np.float64)) <= 2.0 * _sway(coarse), 0.0, 2.0)
-    groups: list[list[int]] = [[k] for k in range(count)]
-    while True:
-        best: tuple[float, int, int] | None = None
-        for x in range(len(groups)):
-            for y in range(x + 1, len(groups)):
-                mean = float(both[np.ix_(groups[x], groups[y])].mean())
-                if mean <= _KIN and (best is None or mean < best[0]):
-                    best = (mean, x, y)
-        if best is None:
-            break
-        _, x, y = best
-        groups[x] = groups[x] + groups.pop(y)
-    kinds = [0] * count
-    for kind, group in enumerate(sorted(groups, key=min)):
-        for k in group:
-            kinds[k] = kind
-    return kinds
+    if count == 1:
+        return [0]
+    from scipy.cluster.hierarchy import fcluster, linkage
+    from scipy.spatial.distance import squareform
+
+    np.fill_diagonal(both, 0.0)
+    groups = fcluster(linkage(squareform(both, checks=False), "average"), _KIN, "distance")
+    numbers: dict[int, int] = {}
+    return [numbers.setdefault(int(g), len(numbers)) for g in groups]
 
 
 def _found(coarse: Moments, piece: _Piece, starts: NDArray[np.intp]) -> Array:
     """How much is left over when stretches of a piece are looked for in each of the pieces, mean, shape (pieces,)."""
     n = coarse.count
     half = max(2, min(round(SCALES_S[1] * coarse.fps), (piece.end - piece.start - 1) // 2))
-    centres = np.unique(np.linspace(piece.start + half, piece.end - 1 - half, _SAMPLES).round().astype(np.intp))
-    centres = centres[(centres >= half) & (centres + half < n)]
-    if not len(centres):
+    # of a long piece the middle stands for it
+    spare = max(0, (piece.end - piece.start - round(_SEEN_S * coarse.fps)) // 2)
+    first, last = max(0, piece.start + spare), min(n, piece.end - spare)
+    if last - first < 2 * half + 1:
         return np.ones(len(starts))
-    best = np.full((len(centres), n), np.inf, dtype=np.float32)
-    spans = np.empty(len(centres))
-    for row, c in enumerate(centres):
-        rows = slice(int(c) - half, int(c) + half + 1)
-        own = coarse.tile(rows, rows)[0]
-        spans[row] = _RANGE * float(own.mean())
-        for tile in coarse.tile(rows, slice(0, n)):
-            np.minimum(best[row], _window_paths(tile, half), out=best[row])
+    centres = np.unique(np.linspace(half, last - first - 1 - half, _SAMPLES).round().astype(np.intp))
+    rows = centres[:, None] + np.arange(-half, half + 1)
+    own = coarse.tile(slice(first, last), slice(first, last))[0]
+    spans = _RANGE * np.array([float(own[np.ix_(r, r)].mean()) for r in rows])
     moving = spans > 0.5 * STILL**2 + coarse.noise
     if not moving.any():
         return np.ones(len(starts))
-    share = np.clip((best - coarse.noise) / np.maximum(spans[:, None], 1e-12), 0.0, 1.0)
-    least = np.minimum.reduceat(share, starts, axis=1)
-    mean: Array = least[moving].mean(axis=0)
+    least = np.full((int(moving.sum()), len(starts)), np.inf)
+    for tile in coarse.tile(slice(first, last), slice(0, n)):
+        np.minimum(least, np.minimum.reduceat(_row_paths(tile, rows[moving]), starts, axis=1), out=least)
+    share = np.clip((least - coarse.noise) / spans[moving, None], 0.0, 1.0)
+    mean: Array = share.mean(axis=0)
     return mean
 
 
-def _window_paths(tile: Floats, half: int) -> Floats:
-    """Mean distance along the cheapest path of all rows of a tile that passes (middle row, j), for each column j."""
-    n = tile.shape[1]
-    bend = np.float32(0.02 * float(np.median(tile)))
-    total = tile[half].copy()
+def _row_paths(tile: Floats, rows: NDArray[np.intp]) -> Floats:
+    """Mean distance along the cheapest path of given rows that passes column j in the middle one, shape (stretches, columns).
+
+    Parameters
+    ----------
+    rows : of each stretch, shape (stretches, 2·half + 1).
+    """
+    half = rows.shape[1] // 2
+    bend = np.float32(0.02 * float(np.median(tile[:: max(1, len(tile) // 32), :: max(1, tile.shape[1] // 512)])))
+    total = tile[rows[:, half]]
     for direction in (1, -1):
-        run = tile[half + direction * half].copy()
-        for s in range(half - 1, -1, -1):
-            row = tile[half + direction * s]
+        run = np.zeros_like(total)
+        for s in range(half, 0, -1):
+            run += tile[rows[:, half + direction * s]]
             best = run + bend
             for jump, cost in ((1, np.float32(0.0)), (2, bend)):
-                shifted = np.full(n, np.inf, dtype=np.float32)
-                if direction > 0:
-                    shifted[: n - jump] = run[jump:] + cost
-                else:
-                    shifted[jump:] = run[: n - jump] + cost
-                np.minimum(best, shifted, out=best)
-            run = row + best if s else best
-        total += run
-    return total / np.float32(2 * half + 1)
+                here, there = (slice(None, -jump), slice(jump, None))[::direction]
+                np.minimum(best[:, here], run[:, there] + cost, out=best[:, here])
+            # at the ends of the recording a path may not stand still for ever
+            if direction > 0:
+                best[:, -1] = np.inf
+            else:
+                best[:, 0] = np.inf
+            run = best
+        total = total + run
+    out: Floats = total / np.float32(2 * half + 1)
+    return out
