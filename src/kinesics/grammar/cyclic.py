@@ -27,6 +27,8 @@ from kinesics.vocabulary import MovementClass
 Array = NDArray[np.float64]
 C = MovementClass
 
+_LONGEST_S: Final = 8.0
+"""Seconds: a longer cycle is a choreography that is repeated, and has states of its own."""
 _SLOW: Final = 0.15
 """Of the quickest tenth of a way: slower is standing."""
 _STOPPED: Final = 0.15
@@ -78,7 +80,7 @@ def structure(moments: Moments, start: int, end: int, class_: MovementClass, cut
     cuts : moments at which cycles begin, in order, the end of the last one included.
     """
     cuts = [c for c in cuts if start <= c < end]
-    if len(cuts) < 2:
+    if len(cuts) < 2 or float(np.mean(np.diff(cuts))) > _LONGEST_S * moments.fps:
         return None
     anchors: list[Anchor] = []
     legs: list[Leg] = []

@@ -153,7 +153,7 @@ def judge_nearness(moments: Moments) -> Nearness:
         state=float(np.clip(6.0 * same, 0.15 * spread, max(0.2 * spread, 1.5 * same))),
         visit=float(np.clip(4.0 * same, 0.04 * spread, max(0.15 * spread, 1.2 * same))),
         away=max(8.0 * same, 0.25 * spread),
-        path=max(3.0 * same, 0.06 * spread),
+        path=float(np.clip(5.0 * same, 0.06 * spread, max(0.2 * spread, 3.0 * same))),
     )
 
 
