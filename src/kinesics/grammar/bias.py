@@ -25,7 +25,7 @@ from kinesics.body import pose
 from kinesics.geometry import quaternion
 from kinesics.grammar.moments import Moments
 from kinesics.similarity import symmetry_residual
-from kinesics.vocabulary import LINKS, MIRROR_LINKS
+from kinesics.vocabulary import LINK_PARENTS, LINKS, MIRROR_LINKS
 
 Array = NDArray[np.float64]
 
@@ -71,23 +71,35 @@ def estimate(moments: Moments, start: int = 0, end: int | None = None) -> Bias |
     images, _ = _means(pose.mirror(q))
     rotations = quaternion.identity((len(LINKS),))
     degrees: dict[str, float] = {}
-    kept: list[str] = []
+    turns: dict[int, Array] = {}
     for link, partner in enumerate(MIRROR_LINKS):
         if link == 0 or partner < link:  # the root's tilt has no frame of its own to be turned in
             continue
         # means[link] = images[link]·turn, and of the partner the mirror image of it
         turn = quaternion.canonical(quaternion.multiply(quaternion.conjugate(images[link]), means[link]))
         angle = float(np.rad2deg(2.0 * np.arccos(min(1.0, abs(float(turn[0]))))))
-        name = LINKS[link].removeprefix("left_")
-        degrees[name] = angle
-        if not (definite[link] and definite[partner]) or angle > LARGEST_DEGREES:
-            kept.append(name)
-            continue
+        degrees[_name(link)] = angle
+        if definite[link] and definite[partner] and angle <= LARGEST_DEGREES:
+            turns[link] = turn
+    # where the upper link of a limb is in another posture, the lower one is too
+    turns = {link: t for link, t in turns.items() if MIRROR_LINKS[link] == link or _whole_limb(link) <= turns.keys()}
+    for link, turn in turns.items():
         half = quaternion.power(turn[None], np.array([0.5]))[0]
         rotations[link] = half
-        if partner != link:
+        if (partner := MIRROR_LINKS[link]) != link:
             rotations[partner] = quaternion.mirror(quaternion.conjugate(half))
-    return Bias(rotations, degrees, tuple(kept))
+    kept = tuple(name for name in degrees if name not in {_name(link) for link in turns})
+    return Bias(rotations, degrees, kept)
+
+
+def _name(link: int) -> str:
+    return LINKS[link].removeprefix("left_")
+
+
+def _whole_limb(link: int) -> set[int]:
+    """The two links of a limb: femur and tibia, humerus and radius."""
+    upper = link if LINKS[link].endswith(("femur", "humerus")) else LINK_PARENTS[link]
+    return {upper, LINK_PARENTS.index(upper)}
 
 
 def without(moments: Moments, bias: Bias) -> Moments:

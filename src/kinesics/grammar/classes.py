@@ -63,7 +63,7 @@ PERIODS_OF_HALVES: Final = 1.6
 """or from so many where half a period is an image of the other half."""
 _PERIODS_TOLERANCE: Final = 0.07
 """Of a period: stillness at both ends, and half a moment at each, are not counted."""
-_COVERAGE: Final = 0.66
+_COVERAGE: Final = 0.6
 """Share of the moving moments that must return a period later;"""
 _COVERAGE_OF_HALVES: Final = 0.75
 """so many where fewer than two periods are seen,"""
@@ -86,7 +86,11 @@ _PERIOD_FLOOR: Final = 0.02
 
 @dataclass(frozen=True)
 class Curve:
-    """Log odds that a symmetry holds: offset − residual·ln(r + .01) − ratio·ln((r + .02)/(period + .02)) − turn·ln(turn speed + .1)."""
+    """Log odds that a symmetry which leaves r holds.
+
+    offset − residual·ln(r + .01) − ratio·ln((r + .02)/(p + .02)) − turn·ln(v + .1), with p what the period leaves and v the speed
+    at the turning over the mean speed.
+    """
 
     offset: float
     residual: float
@@ -106,18 +110,34 @@ class Curve:
 
 
 CYCLIC_CURVES: Final[Mapping[str, Curve]] = {
-    "mirror": Curve(-4.0, 2.5, 1.5),
-    "glide": Curve(-2.5, 1.5, 3.0),
-    "reverse": Curve(-3.5, 2.0, 1.5, 1.0),
-    "mirror_reverse": Curve(-3.5, 2.0, 1.5),
+    "mirror": Curve(offset=0.376, residual=0.514, ratio=0.751),
+    "glide": Curve(offset=0.417, residual=2.52, ratio=6.57),
+    "reverse": Curve(offset=-1.29, residual=1.26, ratio=0.827, turn=0.394),
+    "mirror_reverse": Curve(offset=-1.7, residual=1.25, ratio=0.294),
 }
 SINGLE_CURVES: Final[Mapping[str, Curve]] = {
-    "mirror": Curve(-3.0, 2.5),
-    "reverse": Curve(-4.0, 2.5, 0.0, 1.0),
-    "mirror_reverse": Curve(-4.0, 3.0),
+    "mirror": Curve(offset=-1.85, residual=1.82),
+    "reverse": Curve(offset=-1.75, residual=1.56, turn=0.219),
+    "mirror_reverse": Curve(offset=-1.89, residual=1.35),
 }
-TEMPERATURE: Final = 1.0
+CYCLIC_TEMPERATURE: Final = 0.38
+SINGLE_TEMPERATURE: Final = 0.139
 """The symmetries of one movement do not err independently: log probabilities are divided by this."""
+LEANINGS: Final[Mapping[MovementClass, float]] = {
+    C.CYCLIC_ASYMMETRIC: -0.37,
+    C.CYCLIC_ANTIPHASE: 0.83,
+    C.CYCLIC_SYMMETRIC: 0.08,
+    C.CYCLIC_PALINDROMIC: 0.11,
+    C.CYCLIC_ANTIPALINDROMIC: -0.05,
+    C.CYCLIC_ANTIPHASE_PALINDROMIC: -0.67,
+    C.CYCLIC_SYMMETRIC_PALINDROMIC: 0.06,
+    C.ASYMMETRIC: 1.04,
+    C.SYMMETRIC: -0.40,
+    C.PALINDROMIC: -0.38,
+    C.ANTIPALINDROMIC: -0.40,
+    C.SYMMETRIC_PALINDROMIC: 0.14,
+}
+"""Added to the log probability of a class: a reversal leaves over less by chance in some than in others."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,10 +205,14 @@ def classify(moments: Moments, start: int = 0, end: int | None = None) -> Verdic
         return _cyclic_verdict(moments, start, end, seen, main, reasons)
     biased = seen.single_biased or main
     chances = single_probabilities(main)
-    _mention_bias(reasons, seen.bias, chances, single_probabilities(biased), main.range)
     if seen.cyclic is not None and seen.cyclic.repeats >= 1.2:
-        reasons.append(f"only {seen.cyclic.repeats:.1f} periods of {seen.cyclic.period / moments.fps:.2f} s are seen")
-    return _verdict(chances, main.residuals, biased.residuals, seen, reasons, main.range)
+        length = f"{seen.cyclic.period / moments.fps:.2f} s"
+        reasons.append(
+            f"only {seen.cyclic.repeats:.1f} periods of {length} are seen"
+            if seen.cyclic.repeats < PERIODS
+            else f"parts repeat after {length}, but not the whole"
+        )
+    return _verdict(chances, single_probabilities(biased), main.residuals, biased.residuals, seen, reasons, main.range)
 
 
 def measure(moments: Moments, start: int, end: int) -> Evidence | None:
@@ -241,7 +265,7 @@ def cyclic_probabilities(found: CyclicEvidence) -> dict[MovementClass, float]:
         name: curve.log_odds(getattr(r, name), r.period, found.turn_speed if curve.turn else None)
         for name, curve in CYCLIC_CURVES.items()
     }
-    return _of_groups(odds, CYCLIC_SYMMETRIES)
+    return _of_groups(odds, CYCLIC_SYMMETRIES, CYCLIC_TEMPERATURE)
 
 
 def single_probabilities(found: SingleEvidence) -> dict[MovementClass, float]:
@@ -250,11 +274,11 @@ def single_probabilities(found: SingleEvidence) -> dict[MovementClass, float]:
         name: curve.log_odds(getattr(found.residuals, name), None, found.turn_speed if curve.turn else None)
         for name, curve in SINGLE_CURVES.items()
     }
-    return _of_groups(odds, SINGLE_SYMMETRIES)
+    return _of_groups(odds, SINGLE_SYMMETRIES, SINGLE_TEMPERATURE)
 
 
 def _of_groups(
-    odds: Mapping[str, float], groups: Mapping[MovementClass, frozenset[str]], temperature: float = TEMPERATURE
+    odds: Mapping[str, float], groups: Mapping[MovementClass, frozenset[str]], temperature: float
 ) -> dict[MovementClass, float]:
     """Each group needs its symmetries and none of the others: the product, normalised over the groups there are."""
     logs = np.array(
@@ -263,8 +287,9 @@ def _of_groups(
             for symmetries in groups.values()
         ]
     )
-    logs = (logs - logs.max()) / temperature
-    share = np.exp(logs) / np.exp(logs).sum()
+    logs = logs / temperature + np.array([LEANINGS[c] for c in groups])
+    share = np.exp(logs - logs.max())
+    share /= share.sum()
     return {c: float(p) for c, p in zip(groups, share, strict=True)}
 
 
@@ -273,20 +298,20 @@ def _cyclic_verdict(
 ) -> Verdict:
     biased = seen.cyclic_biased or found
     chances = cyclic_probabilities(found)
-    _mention_bias(reasons, seen.bias, chances, cyclic_probabilities(biased), found.range)
     best = max(chances, key=lambda c: chances[c])
     straight = moments if seen.bias is None else _bias.without(moments, seen.bias)
     alternating = bool(CYCLIC_SYMMETRIES[best] & {"glide"}) or (
         not CYCLIC_SYMMETRIES[best] & {"mirror"} and (found.residuals.glide or 9.0) < (found.residuals.mirror or 9.0)
     )
     listed, period_s = _cycles.find(
-        straight, start, end, seen.by_lag, found.path.lags, found.range, alternating=alternating
+        straight, start, end, seen.by_lag, found.path.lags, found.returns, found.range, alternating=alternating
     )
     if found.repeats < PERIODS - _PERIODS_TOLERANCE:
         reasons.append(f"{found.repeats:.1f} periods are seen, of halves that are images of each other")
     stable = _cycles.stability(listed, found.residuals.period)
     return _verdict(
         chances,
+        cyclic_probabilities(biased),
         found.residuals,
         biased.residuals,
         seen,
@@ -301,6 +326,7 @@ def _cyclic_verdict(
 
 def _verdict(
     chances: dict[MovementClass, float],
+    biased_chances: dict[MovementClass, float],
     residuals: Residuals,
     biased: Residuals,
     seen: Evidence,
@@ -320,9 +346,15 @@ def _verdict(
             f"no class stands out: {ranked[0].value} {confidence:.0%}, {ranked[1].value} {chances[ranked[1]]:.0%}"
         )
         best = None
-    if seen.bias is not None and seen.bias.distance > _BIASES * range_:
-        reasons.append("the movement is much smaller than the constant difference of left and right")
-        best = None
+    other = max(biased_chances, key=lambda c: biased_chances[c])
+    if seen.bias is not None and other is not ranked[0]:
+        reasons.append(
+            f"a constant difference of left and right of up to {seen.bias.largest_degrees:.0f}° was set aside; "
+            f"with it the movement would read as {other.value}"
+        )
+        if seen.bias.distance > _BIASES * range_:
+            reasons.append("and the movement is much smaller than that difference")
+            best = None
     return Verdict(
         class_=best,
         group=None if best is None else FRIEZE_GROUPS.get(best),
@@ -362,22 +394,6 @@ def _verdict_still(seen: Evidence) -> Verdict:
 def _unknown(reason: str, residuals: Residuals | None = None, bias: Bias | None = None) -> Verdict:
     known = residuals or Residuals()
     return Verdict(None, None, None, 0.0, None, known, known, None, (), None, bias, (reason,), {})
-
-
-def _mention_bias(
-    reasons: list[str],
-    bias: Bias | None,
-    without: dict[MovementClass, float],
-    with_: dict[MovementClass, float],
-    range_: float,
-) -> None:
-    """Say so where the constant difference of left and right changes the class."""
-    best, other = (max(chances, key=lambda c: chances[c]) for chances in (without, with_))
-    if bias is not None and best is not other:
-        reasons.append(
-            f"a constant difference of left and right of up to {bias.largest_degrees:.0f}° was set aside; "
-            f"with it the movement would read as {other.value}"
-        )
 
 
 def _reach(moments: Moments, start: int, end: int) -> float:

@@ -115,16 +115,18 @@ def find(
     end: int,
     by_lag: Distances,
     lags: NDArray[np.intp],
+    returns: NDArray[np.bool_],
     range_: float,
     *,
     alternating: bool,
 ) -> tuple[tuple[Cycle, ...], float]:
-    """The cycles of a stretch, and its period in seconds (the mean of the cycles where there are two).
+    """The cycles of a stretch, and its period in seconds: the mean over all moments that return.
 
     Parameters
     ----------
     by_lag : D by lag of the stretch.
     lags : path of the period.
+    returns : which moments of the path return.
     range_ : what residuals are measured against, in units of D.
     alternating : whether the sides do the same half a period apart.
     """
@@ -145,7 +147,7 @@ def find(
                 share,
             )
         )
-    return tuple(found), float(fine.mean()) / moments.fps
+    return tuple(found), float((fine[returns] if returns.any() else fine).mean()) / moments.fps
 
 
 def stability(cycles: tuple[Cycle, ...], residual: float | None) -> Stability | None:

@@ -63,6 +63,8 @@ class CyclicEvidence:
     glide_path: lags.LagPath | None
     period: float
     """Moments."""
+    returns: NDArray[np.bool_]
+    """For each moment of the path: whether it moves and returns a period later."""
     repeats: float
     """How many periods long the moving part is."""
     coverage: float
@@ -154,6 +156,7 @@ def cyclic(
         path,
         glide,
         tau,
+        returned & inside,
         (moving[1] - moving[0]) / tau,
         coverage,
         _unity(moments, start, path, moving, float(np.median(ranges[cycling]))),
