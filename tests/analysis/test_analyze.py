@@ -33,21 +33,85 @@ KEYS = [
 ]
 
 
-def test_all_keys_are_there_and_the_grammar_s_are_empty() -> None:
-    """A missing thing is null or [], never absent."""
-    facts = kx.analyze(bodies.legs_striding()).to_dict()
+def test_all_keys_are_there_also_where_nothing_is_known() -> None:
+    """A missing thing is null or [], never absent: one frame has no class, no phrase and no graph."""
+    facts = kx.analyze(bodies.legs_striding(1)).to_dict()
     assert set(KEYS) <= set(facts)
-    assert facts["overall"] == {
-        "class": None,
-        "group": None,
-        "period_s": None,
-        "confidence": None,
-        "runner_up": None,
-        "residuals": {"period": None, "mirror": None, "glide": None, "reverse": None, "mirror_reverse": None},
-    }
+    nothing = {"class", "group", "period_s", "confidence", "runner_up", "repeats", "bias_largest_degrees"}
+    assert {k for k, v in facts["overall"].items() if v is None} == nothing
+    assert set(facts["overall"]["residuals"].values()) == {None}
     assert [facts[k] for k in ("phrases", "motifs", "state_repetitions", "reversals", "strikes", "cycles")] == [[]] * 6
     assert facts["graph"]["states"] == facts["graph"]["paths"] == []
     assert facts["graph"]["notation"] == ""
+
+
+def test_the_class_of_a_walk() -> None:
+    """Left and right in turn: its class, period, phrase and cycles, as JSON values."""
+    motion = kx.performer.walk(seconds=6, fps=60, seed=0)
+    analysis = kx.analyze(motion.motion)
+    assert (analysis.overall.class_, analysis.overall.group) == ("cyclic-antiphase", "p11g")
+    assert type(analysis.overall.class_) is str
+    assert analysis.overall.period_s == pytest.approx(motion.truth.period_s, rel=0.02)
+    assert analysis.sources[0].overall == analysis.overall
+    (phrase,) = analysis.phrases
+    assert (phrase.start, phrase.end, phrase.class_) == (0, analysis.sources[0].frames, "cyclic-antiphase")
+    assert phrase.speed_mean == pytest.approx(analysis.speed.mean, rel=0.01)
+    assert len(analysis.cycles) >= 3
+    for cycle in analysis.cycles:
+        assert cycle.phrase == 0
+        assert 0 <= cycle.start < cycle.end <= analysis.sources[0].frames
+        assert cycle.period_s == pytest.approx(motion.truth.period_s, rel=0.1)
+        assert cycle.phase == pytest.approx(0.0, abs=0.05)
+
+
+def test_phrases_tile_the_recording_and_cycles_lie_within_theirs() -> None:
+    """One movement after another: no frame is in two phrases or in none; of two sources each has its own."""
+    first = kx.performer.jumping_jacks(seconds=6, fps=60, seed=0).motion
+    second = kx.performer.walk(seconds=6, fps=30, seed=1).motion
+    analysis = kx.analyze([first, second])
+    for number, source in enumerate(analysis.sources):
+        phrases = [p for p in analysis.phrases if p.source == number]
+        assert [p.start for p in phrases] == [0, *(p.end for p in phrases[:-1])]
+        assert phrases[-1].end == source.frames
+        assert all(p.start_s == p.start / source.fps and p.end_s == p.end / source.fps for p in phrases)
+    for cycle in analysis.cycles:
+        phrase = analysis.phrases[cycle.phrase]
+        assert phrase.start <= cycle.start < cycle.end <= phrase.end
+    assert [s.overall.class_ for s in analysis.sources] == ["cyclic-symmetric-palindromic", "cyclic-antiphase"]
+    assert analysis.overall.class_ is None
+
+
+def test_the_graph_tells_every_frame() -> None:
+    """The graph of one recording accounts for all its frames, and its notation rebuilds them."""
+    analysis = kx.analyze(kx.performer.jumping_jacks(seconds=6, fps=60, seed=0).motion)
+    steps = analysis.graph.timeline(0)
+    assert (steps[0].start, steps[-1].end) == (0, analysis.sources[0].frames)
+    assert analysis.graph.rebuild(analysis.graph.notation()) == steps
+    assert {s.label for s in analysis.graph.states} == {"X~", "Y~"}
+
+
+def test_a_part_that_cannot_be_read_does_not_take_the_others_with_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is empty, and a warning says so."""
+    from kinesics.grammar import phrases
+
+    def broken(_: object) -> None:
+        raise IndexError("index 3 is out of bounds")
+
+    monkeypatch.setattr(phrases, "find_phrases", broken)
+    analysis = kx.analyze(kx.performer.walk(seconds=4, fps=30, seed=0).motion)
+    assert analysis.phrases == ()
+    assert analysis.overall.class_ == "cyclic-antiphase"
+    assert analysis.graph.states
+    assert "Phrases could not be read: IndexError: index 3 is out of bounds" in analysis.warnings
+
+
+@pytest.mark.parametrize("frames", [1, 2, 5, 6, 7, 11, 20, 33])
+def test_short_recordings_leave_no_part_unread(frames: int) -> None:
+    """However short a recording is, every part is read or known to be empty, and all of it is JSON."""
+    for make in (bodies.arms_swinging, bodies.legs_striding):
+        analysis = kx.analyze(make(frames))
+        assert not [w for w in analysis.warnings if "could not be read" in w]
+        json.dumps(analysis.to_dict(), allow_nan=False)
 
 
 def test_facts_survive_json() -> None:
@@ -116,7 +180,8 @@ def test_warnings_of_all_sources_are_gathered() -> None:
     """Once each."""
     a = bodies.arms_swinging(20).replace(warnings=("the left hand jumps",))
     b = bodies.arms_swinging(20).replace(warnings=("the left hand jumps", "the feet float"))
-    assert kx.analyze([a, b]).warnings == ("the left hand jumps", "the feet float")
+    assert kx.analyze([a, b]).warnings[:2] == ("the left hand jumps", "the feet float")
+    assert "motion graph of several recordings" in kx.analyze([a, b]).warnings[2]
 
 
 def test_bad_arguments_are_refused() -> None:

@@ -20,6 +20,9 @@ import kinesics as kx
 from kinesics import report
 from kinesics.analysis import facts
 from kinesics.errors import Cancelled, InputError
+from kinesics.grammar.graph import MotionGraph, Occurrence, State, Stay
+from kinesics.grammar.graph import Path as GraphPath
+from kinesics.grammar.graph import Source as GraphSource
 from kinesics.report import folder as folder_module
 from kinesics.report.graph_files import graphml
 
@@ -115,11 +118,10 @@ def _full() -> facts.Facts:
         cycles=(facts.Cycle(0, 0, 33, 1.1, 0.5, 0.1),),
         gaps=(facts.Gap(0, 4, 6, "markers lost"),),
         speed=facts.Speed(0.1, 0.1, 0.2, 0, 3, 0.1),
-        graph=facts.Graph(
-            (facts.State(0, "A", False, 1, (facts.Range(0, 0, 3),)), facts.State(1, "A*", False, 0)),
-            (facts.Path(0, "aa*_1", 0, 1, 1, False, None, False, (facts.Occurrence(0, 3, 90, False),)),),
-            "A aa*_1 A*",
-            facts.Information(facts.Estimate(1.0, 0.1), facts.Estimate(0.9, 0.1), facts.Estimate(0.5, 0.2)),
+        graph=MotionGraph(
+            (State(0, "A", mirror_of=1, stays=(Stay(0, 0, 3),)), State(1, "A*", mirror_of=0)),
+            (GraphPath(0, "aa*_1", 0, 1, 1, occurrences=(Occurrence(0, 3, 90),)),),
+            (GraphSource("a.bvh", 90, 30.0),),
         ),
         warnings=("none",),
     )
@@ -268,14 +270,15 @@ def test_tables_have_headers(saved: tuple[kx.Analysis, Path]) -> None:
 
 
 def test_graphs_are_well_formed(saved: tuple[kx.Analysis, Path]) -> None:
-    """GraphML that networkx reads back, empty or full; SVG that is XML."""
+    """GraphML that networkx reads back, also of a graph without states; SVG that is XML."""
     import io
 
     import networkx as nx
 
-    assert len(nx.read_graphml(saved[1] / "graph.graphml")) == 0
+    assert set(nx.read_graphml(saved[1] / "graph.graphml", force_multigraph=True).nodes) == {"A", "A*"}
+    assert len(nx.read_graphml(io.BytesIO(graphml(MotionGraph()).encode()))) == 0
     full = nx.read_graphml(io.BytesIO(graphml(_full().graph).encode()), force_multigraph=True)
-    assert [d["label"] for _, d in full.nodes(data=True)] == ["A", "A*"]
+    assert list(full.nodes) == ["A", "A*"]
     assert [d["label"] for *_, d in full.edges(data=True)] == ["aa*_1"]
     assert ET.parse(saved[1] / "graph.svg").getroot().tag.endswith("svg")
 

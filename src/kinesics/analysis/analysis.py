@@ -11,6 +11,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from kinesics.analysis import judgement
 from kinesics.analysis import stillness as _stillness
 from kinesics.analysis import symmetric_states as _symmetric
 from kinesics.analysis.facts import Facts, Gap, Range, Source, Speed
@@ -19,6 +20,9 @@ from kinesics.body import anatomy, quality
 from kinesics.body.motion import Motion
 from kinesics.body.pose import PoseSequence, poses
 from kinesics.errors import InputError
+from kinesics.grammar import moments as _moments
+from kinesics.grammar.graph import MotionGraph
+from kinesics.grammar.whole import Grammar, read_grammar
 from kinesics.progress import Progress, silent
 from kinesics.similarity import BETA_RULE, check_weights, default_beta, speed, symmetry_residual
 from kinesics.similarity._inputs import Weights
@@ -43,6 +47,9 @@ class Analysis(Facts):
     """√(2D)/Δt, 1/s, shape (frames,), for each source: entry i is the step from frame i − 1 to i, entry 0 repeats entry 1."""
     mirror_distance_curves: tuple[Array, ...] = dataclasses.field(default=(), compare=False, repr=False)
     """D*(a, a) of each frame, shape (frames,), for each source: 0 is symmetric (§2.14)."""
+
+    grammars: tuple[Grammar, ...] = dataclasses.field(default=(), compare=False, repr=False)
+    """What the grammar read, one for each source; empty for an analysis read back from a folder."""
 
     def to_dict(self) -> dict[str, Any]:
         """The facts as plain JSON values: what stands in `analysis.json`."""
@@ -114,21 +121,44 @@ def analyze(
     understood: list[Motion] = []
     sequences: list[PoseSequence] = []
     for number, each in enumerate(motions):
-        report(0.1 + 0.5 * number / len(motions), f"poses of {each.name or 'the motion'}")
+        report(0.05 + 0.3 * number / len(motions), f"poses of {each.name or 'the motion'}")
         understood.append(anatomy.understood(each, mapping))
         sequences.append(poses(understood[-1]))
     speeds = tuple(speed(p, weights=link_weights) for p in sequences)
     reflected = tuple(symmetry_residual(p, link_weights) for p in sequences)
 
-    report(0.6, "stillness and symmetry")
+    report(0.35, "stillness and symmetry")
     rules = [_stillness.stillness_rule(p, link_weights) for p in sequences]
     still = [_stillness.find_stillness(p, r, link_weights) for p, r in zip(sequences, rules, strict=True)]
     symmetric = [_symmetric.find_symmetric_states(d) for d in reflected]
 
-    report(0.9, "β")
+    grammars: list[Grammar] = []
+    for number, (each, sequence) in enumerate(zip(understood, sequences, strict=True)):
+        grammars.append(
+            read_grammar(
+                sequence,
+                name=_name(each),
+                weights=link_weights,
+                progress=_part(report, 0.45 + 0.5 * number / len(motions), 0.45 + 0.5 * (number + 1) / len(motions)),
+            )
+        )
+
+    report(0.95, "β")
     contrast = float(beta) if beta is not None else default_beta(joined(sequences), link_weights)
     doubts = [quality.inspect(m) for m in understood]
-    sources = tuple(_source(*parts) for parts in zip(understood, sequences, doubts, strict=True))
+    sources = tuple(_source(*parts) for parts in zip(understood, sequences, doubts, grammars, strict=True))
+    phrases = [
+        judgement.phrases(number, grammar, curve, sequence.fps)
+        for number, (grammar, curve, sequence) in enumerate(zip(grammars, speeds, sequences, strict=True))
+    ]
+    firsts = np.cumsum([0, *(len(p) for p in phrases)])
+    remarks = [
+        _said(source, remark, sources) for source, g in zip(sources, grammars, strict=True) for remark in g.remarks
+    ]
+    if len(sources) > 1:
+        remarks.append(
+            "The motion graph of several recordings together is not read yet: analyse each alone for its graph."
+        )
     parameters = {
         "beta_rule": BETA_RULE if beta is None else "given by the caller",
         "weights": [float(w) for w in link_weights],
@@ -141,6 +171,10 @@ def analyze(
             "sources": [encode(r) for r in rules],
         },
         "symmetric_states": {"threshold": _symmetric.SYMMETRY_THRESHOLD, "release": _symmetric.RELEASE},
+        "grammar": {
+            "most_moments_a_second": _moments.RATE,
+            "sources": [{"moments_a_second": g.moments.fps, "noise": float(g.moments.noise)} for g in grammars],
+        },
     }
     report(1.0, "done")
     return Analysis(
@@ -149,15 +183,20 @@ def analyze(
         parameters=parameters,
         beta=contrast,
         sources=sources,
+        overall=judgement.of_several(sources),
+        phrases=tuple(p for each in phrases for p in each),
+        cycles=tuple(c for g, first in zip(grammars, firsts, strict=False) for c in judgement.cycles(g, int(first))),
+        graph=(grammars[0].graph if len(grammars) == 1 else None) or MotionGraph(),
         stillness=_ranges(still),
         symmetric_states=_ranges(symmetric),
         gaps=tuple(gap for k, q in enumerate(doubts) for gap in _gaps(k, q)),
         speed=summarize_speed(speeds, [p.fps for p in sequences]),
-        warnings=tuple(dict.fromkeys(w for s in sources for w in s.warnings)),
+        warnings=tuple(dict.fromkeys([*(w for s in sources for w in s.warnings), *remarks])),
         motions=tuple(understood),
         poses=tuple(sequences),
         speed_curves=speeds,
         mirror_distance_curves=reflected,
+        grammars=tuple(grammars),
     )
 
 
@@ -205,11 +244,15 @@ def _motions(motion: Motion | Sequence[Motion]) -> list[Motion]:
     return motions
 
 
-def _source(motion: Motion, sequence: PoseSequence, doubts: quality.Quality) -> Source:
+def _name(motion: Motion) -> str:
+    """Without folders: their names are nobody's business but the user's."""
+    return re.split(r"[/\\]", motion.source.file_name or motion.name)[-1]
+
+
+def _source(motion: Motion, sequence: PoseSequence, doubts: quality.Quality, grammar: Grammar) -> Source:
     origin = motion.source
     return Source(
-        # names of folders are nobody's business but the user's
-        name=re.split(r"[/\\]", origin.file_name or motion.name)[-1],
+        name=_name(motion),
         sha256=origin.sha256,
         format=origin.format,
         skeleton=sequence.profile,
@@ -219,7 +262,18 @@ def _source(motion: Motion, sequence: PoseSequence, doubts: quality.Quality) -> 
         joints=motion.skeleton.joint_count,
         assumptions=tuple(dict.fromkeys((*motion.assumptions, *sequence.assumptions))),
         warnings=tuple(dict.fromkeys((*motion.warnings, *doubts.sentences))),
+        overall=judgement.overall(grammar.overall),
     )
+
+
+def _said(source: Source, remark: str, sources: Sequence[Source]) -> str:
+    """A remark, with the recording's name where there are several."""
+    return remark if len(sources) == 1 else f"{source.name}: {remark}"
+
+
+def _part(progress: Progress, start: float, end: float) -> Progress:
+    """A part of the work, from 0 to 1, as a share of the whole."""
+    return lambda fraction, message="": progress(start + (end - start) * fraction, message)
 
 
 def _gaps(source: int, doubts: quality.Quality) -> list[Gap]:

@@ -1,4 +1,5 @@
-"""The facts of a recording, as `analysis.json` has them (CONVENTIONS.md): frozen dataclasses and nothing else.
+"""The facts of a recording, as `analysis.json` has them (CONVENTIONS.md): frozen dataclasses and nothing else,
+save the motion graph, which is what the grammar makes it.
 
 Frames count from 0, ranges are [start, end), times are seconds. What is not known is None or empty, never absent. A trailing
 underscore (``class_``, ``from_``) stands for a name that Python keeps for itself.
@@ -9,6 +10,43 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
+
+from kinesics.grammar.graph import MotionGraph
+
+
+@dataclass(frozen=True)
+class Residuals:
+    """How far the movement is from each symmetry, relative to its own range; None where it was not measured."""
+
+    period: float | None = None
+    mirror: float | None = None
+    glide: float | None = None
+    reverse: float | None = None
+    mirror_reverse: float | None = None
+
+
+@dataclass(frozen=True)
+class Overall:
+    """The symmetry class of the whole, as one path; all None where there is nothing to judge, or no single path."""
+
+    class_: str | None = None
+    """None where it cannot be told; ``reasons`` say why."""
+    group: str | None = None
+    """Frieze group of a cyclic class."""
+    period_s: float | None = None
+    confidence: float | None = None
+    """Probability that the class is right; 0 where it cannot be told."""
+    runner_up: str | None = None
+    residuals: Residuals = field(default_factory=Residuals)
+    """Without the constant difference of left and right."""
+    repeats: float | None = None
+    """How many periods long the movement is."""
+    bias_degrees: Mapping[str, float] = field(default_factory=dict)
+    """The constant difference of left and right, degrees: of limbs, by their name without side, and of axial links."""
+    bias_largest_degrees: float | None = None
+    """The largest of them that was set aside before judging; larger ones are a posture and stay with the movement."""
+    reasons: tuple[str, ...] = ()
+    """What decided, what was assumed, why it cannot be told."""
 
 
 @dataclass(frozen=True)
@@ -31,29 +69,8 @@ class Source:
     """What the file did not say and was assumed."""
     warnings: tuple[str, ...] = ()
     """What looks wrong."""
-
-
-@dataclass(frozen=True)
-class Residuals:
-    """How far the movement is from each symmetry, relative to its own range; None where it was not measured."""
-
-    period: float | None = None
-    mirror: float | None = None
-    glide: float | None = None
-    reverse: float | None = None
-    mirror_reverse: float | None = None
-
-
-@dataclass(frozen=True)
-class Overall:
-    """The symmetry class of the whole, as one path."""
-
-    class_: str | None = None
-    group: str | None = None
-    period_s: float | None = None
-    confidence: float | None = None
-    runner_up: str | None = None
-    residuals: Residuals = field(default_factory=Residuals)
+    overall: Overall = field(default_factory=Overall)
+    """The symmetry class of this recording, as one path."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +89,15 @@ class Phrase:
     runner_up: str | None = None
     residuals: Residuals = field(default_factory=Residuals)
     speed_mean: float | None = None
+    """Of √(2D)/Δt, 1/s."""
     smoothness: float | None = None
+    kind: int | None = None
+    """The same number for phrases of one recording that are of the same kind, in order of appearance."""
+    repeats: float | None = None
+    """How many periods long it is."""
+    bias_largest_degrees: float | None = None
+    """The largest constant difference of left and right that was set aside before judging."""
+    reasons: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -149,11 +174,15 @@ class Cycle:
     """One repetition within a cyclic phrase."""
 
     phrase: int
+    """Its place in the list of phrases."""
     start: int
     end: int
     period_s: float
     phase: float | None
+    """Left minus right, as a fraction of the cycle, less the half by which alternating sides are apart; None where the sides
+    do different things."""
     mirror_residual: float | None
+    """What the mirror leaves over at that phase, relative to the range of the movement."""
 
 
 @dataclass(frozen=True)
@@ -167,69 +196,6 @@ class Speed:
     max_frame: int | None = None
     """The step from the frame before to this one is the fastest."""
     max_s: float | None = None
-
-
-@dataclass(frozen=True)
-class State:
-    """A node of the motion graph."""
-
-    id: int
-    label: str
-    symmetric: bool
-    mirror_of: int | None = None
-    stays: tuple[Range, ...] = ()
-
-
-@dataclass(frozen=True)
-class Occurrence:
-    """One traversal of a path."""
-
-    source: int
-    start: int
-    end: int
-    reversed: bool
-
-
-@dataclass(frozen=True)
-class Path:
-    """An edge of the motion graph."""
-
-    id: int
-    label: str
-    from_: int
-    to: int
-    index: int
-    reversible: bool
-    mirror_of: int | None = None
-    inferred: bool = False
-    occurrences: tuple[Occurrence, ...] = ()
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """A number and its standard error."""
-
-    value: float
-    standard_error: float
-
-
-@dataclass(frozen=True)
-class Information:
-    """How much a traversal of the graph tells."""
-
-    order0_bits: Estimate | None = None
-    order1_bits: Estimate | None = None
-    bits_per_s: Estimate | None = None
-
-
-@dataclass(frozen=True)
-class Graph:
-    """The motion graph."""
-
-    states: tuple[State, ...] = ()
-    paths: tuple[Path, ...] = ()
-    notation: str = ""
-    information: Information = field(default_factory=Information)
 
 
 @dataclass(frozen=True)
@@ -253,6 +219,7 @@ class Facts:
     cycles: tuple[Cycle, ...] = ()
     gaps: tuple[Gap, ...] = ()
     speed: Speed = field(default_factory=Speed)
-    graph: Graph = field(default_factory=Graph)
+    graph: MotionGraph = field(default_factory=MotionGraph)
+    """Without states where none was read; in JSON with its notation and its information."""
     warnings: tuple[str, ...] = ()
     """What looks wrong with the recording or makes the analysis doubtful, of all sources together."""

@@ -8,12 +8,16 @@ from collections.abc import Mapping
 from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from kinesics.errors import InputError
+from kinesics.grammar.graph import MotionGraph
 
 T = TypeVar("T")
 
 
 def encode(value: object) -> Any:
     """Dataclasses to dicts, tuples to lists; a trailing underscore of a field is dropped."""
+    if isinstance(value, MotionGraph):
+        # what follows from a graph (its notation, its information) is written with it
+        return value.to_dict()
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return {f.name.rstrip("_"): encode(getattr(value, f.name)) for f in dataclasses.fields(value)}
     if isinstance(value, Mapping):
@@ -44,6 +48,10 @@ def _decode(kind: Any, value: object, where: str) -> Any:
     origin = get_origin(kind)
     if kind is Any:
         return value
+    if kind is MotionGraph:
+        if not isinstance(value, dict):
+            raise _wrong(where, "an object", value)
+        return MotionGraph.from_dict(value)
     if origin in (Union, types.UnionType):
         if value is None:
             return None

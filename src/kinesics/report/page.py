@@ -15,6 +15,7 @@ from kinesics.plotting.similarity_plots import colour_key
 from kinesics.report.pictures import Pictures
 
 _MOST_ROWS: Final = 200
+_MOST_WORDS: Final = 400
 
 _STYLE: Final = """
 :root { color-scheme: light; }
@@ -38,6 +39,7 @@ th { color: #555; font-weight: 600; }
 td.number, th.number { text-align: right; }
 ul { padding-left: 1.2rem; }
 li.warning { color: #8a3b00; }
+p.sentence { overflow-wrap: anywhere; line-height: 1.9; }
 pre { font-size: .8rem; overflow-x: auto; background: #f6f6f4; padding: .8rem; }
 footer { margin-top: 3rem; color: #777; font-size: .85rem; }
 @media print { body { padding: 0; } figure { break-inside: avoid; } }
@@ -60,6 +62,7 @@ def report_page(analysis: Analysis, pictures: Pictures, *, palette: str = "thesi
             _how_to_read(analysis, palette),
         ),
         _picture(pictures.square, "Z/Z*: each pixel compares two moments of the recording."),
+        *_motion_graph(analysis, pictures),
         "<h2>Speed and symmetry</h2>",
         *(
             _drawing(svg, f"curve{k}", f"Speed and symmetry over time{'' if len(names) == 1 else ': ' + names[k]}.")
@@ -70,7 +73,7 @@ def report_page(analysis: Analysis, pictures: Pictures, *, palette: str = "thesi
         _ranges(analysis, "Stillness", analysis.stillness, _stillness_words(analysis)),
         _ranges(analysis, "Symmetric states", analysis.symmetric_states, _symmetry_words(analysis)),
         "<h2>The path of the body</h2>",
-        _drawing(pictures.graph, "path", "The motion path in the symmetry basis.", kind="narrow"),
+        _drawing(pictures.path, "path", "The motion path in the symmetry basis.", kind="narrow"),
         "<p>Every pose is a symmetric part (upwards) and an antisymmetric part (across). The path runs from dark (round "
         "mark) to light (square mark); in grey its mirror image. A symmetric pose lies on the middle line.</p>",
         "<h2>The recording</h2>",
@@ -115,6 +118,28 @@ def _numbers(analysis: Analysis) -> str:
 def _warnings(analysis: Analysis) -> str:
     items = "".join(f'<li class="warning">{escape(w)}</li>' for w in analysis.warnings)
     return f"<h2>Doubtful</h2><ul>{items}</ul>" if items else ""
+
+
+def _motion_graph(analysis: Analysis, pictures: Pictures) -> list[str]:
+    """Nothing where no graph was read."""
+    graph = analysis.graph
+    if not graph.states:
+        return []
+    parts = [
+        "<h2>The motion graph</h2>",
+        _drawing(pictures.graph, "graph", "The motion graph: states and the paths between them."),
+        "<p>A circle is a pose that returns, is held, is turned back in or branched from; an arrow is a movement from one "
+        "to another, with two heads where it is done in both directions. Symmetric poses, under a bar, stand on the middle "
+        "line; a pose and its mirror image (starred) face each other across it.</p>",
+    ]
+    for number, source in enumerate(graph.sources):
+        words = graph.pretty(number).split(" ")
+        said = " ".join(words[:_MOST_WORDS]) + (" …" if len(words) > _MOST_WORDS else "")
+        name = f"{escape(source.name)}: " if len(graph.sources) > 1 else ""
+        parts.append(f'<p class="sentence">{name}{escape(said)}</p>')
+    if pictures.strips is not None:
+        parts.append(_drawing(pictures.strips, "strips", "Paths as strips of poses that lighten as the path evolves."))
+    return parts
 
 
 def _how_to_read(analysis: Analysis, palette: str) -> str:

@@ -13,11 +13,15 @@ from kinesics.analysis.symmetric_states import SYMMETRY_THRESHOLD
 from kinesics.body.pose import PoseSequence
 from kinesics.plotting import (
     composite_plot,
+    graph_plot,
     new_figure,
+    path_strips,
     pooled_similarity,
     similarity_plot,
     similarity_triangle,
     speed_plot,
+    state_margin,
+    state_moments,
     symmetry_plot,
 )
 from kinesics.plotting.canvas import FAINT, INK, figure_bytes
@@ -29,6 +33,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _DPI: Final = 150
+_MOST_FIGURES: Final = 40
+"""States that are drawn with a figure each."""
+_MOST_STRIPS: Final = 12
 _PIXELS: Final = 1200
 """Width of the axes of both similarity pictures: one pixel of the pooled matrices is one pixel of the picture."""
 
@@ -41,7 +48,11 @@ class Pictures(NamedTuple):
     triangle: bytes
     """PNG."""
     graph: bytes
-    """SVG."""
+    """SVG: the motion graph; the path of the body in the symmetry basis where no graph was read."""
+    path: bytes
+    """SVG, the path of the body in the symmetry basis."""
+    strips: bytes | None
+    """SVG, the most frequent paths of the graph as strips of poses; None where there are none."""
     curves: tuple[bytes, ...]
     """SVG, speed and symmetry over time, one for each source."""
 
@@ -66,6 +77,9 @@ def draw(analysis: Analysis, *, palette: str = "thesis", progress: Progress | No
     square, ax = _page(_PIXELS, _PIXELS, left=130, right=45, bottom=150, top=85)
     similarity_plot(pooled, palette=palette, ax=ax)
     _borders(ax, borders, len(poses) / poses.fps, triangle=False)
+    read = analysis.graph
+    if len(analysis.sources) == 1 and read.states:
+        state_margin(ax, read, fps=read.sources[0].fps)
     _caption(square, name, key)
 
     report(0.5, "the triangle")
@@ -77,13 +91,25 @@ def draw(analysis: Analysis, *, palette: str = "thesis", progress: Progress | No
 
     report(0.7, "the path")
     symmetric = [(r.start, r.end) for r in analysis.symmetric_states] if len(analysis.sources) == 1 else []
-    graph, ax = _page(720, 670, left=120, right=35, bottom=100, top=75)
+    path, ax = _page(720, 670, left=120, right=35, bottom=100, top=75)
     composite_plot(poses, symmetric=symmetric, ax=ax)
+    path_file = figure_bytes(path, ".svg")
+
+    report(0.75, "the motion graph")
+    graph_file, strips = path_file, None
+    if read.states:
+        figures = state_moments(read, analysis.motions) if len(read.states) <= _MOST_FIGURES else None
+        graph_file = figure_bytes(_figure(graph_plot(read, figures=figures)), ".svg")
+    frequent = sorted((p for p in read.paths if p.occurrences), key=lambda p: -len(p.occurrences))[:_MOST_STRIPS]
+    if frequent:
+        ax = path_strips(read, analysis.motions, paths=sorted(p.id for p in frequent), moments=7)
+        strips = figure_bytes(_figure(ax), ".svg")
 
     report(0.8, "the curves")
     curves = tuple(figure_bytes(_curves(analysis, k), ".svg") for k in range(len(analysis.sources)))
     report(0.9, "writing the pictures")
-    result = Pictures(figure_bytes(square, ".png"), figure_bytes(triangle, ".png"), figure_bytes(graph, ".svg"), curves)
+    square_file, triangle_file = figure_bytes(square, ".png"), figure_bytes(triangle, ".png")
+    result = Pictures(square_file, triangle_file, graph_file, path_file, strips, curves)
     report(1.0, "pictures drawn")
     return result
 
@@ -112,6 +138,12 @@ def _take(poses: PoseSequence, index: np.ndarray[tuple[int, ...], np.dtype[np.in
         yaw_undefined=None,
         fps=fps,
     )
+
+
+def _figure(ax: Axes) -> Figure:
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    return figure
 
 
 def _page(width: int, height: int, *, left: int, right: int, bottom: int, top: int) -> tuple[Figure, Axes]:

@@ -1,0 +1,100 @@
+"""What the grammar read, as facts: from `kinesics.grammar.whole.Grammar` to the dataclasses of `analysis.json`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinesics.analysis import facts
+from kinesics.grammar.classes import Verdict
+from kinesics.grammar.whole import Grammar
+
+Array = NDArray[np.float64]
+
+
+def overall(verdict: Verdict | None) -> facts.Overall:
+    """The class of a whole recording; all None where it was not judged."""
+    if verdict is None:
+        return facts.Overall()
+    bias = verdict.bias
+    return facts.Overall(
+        **_judged(verdict),
+        bias_degrees={} if bias is None else {link: float(angle) for link, angle in bias.degrees.items()},
+    )
+
+
+def of_several(sources: Sequence[facts.Source]) -> facts.Overall:
+    """Several recordings are no single path: each has its own class."""
+    if len(sources) == 1:
+        return sources[0].overall
+    return facts.Overall(reasons=("several recordings are no single path: the class of each stands with its source",))
+
+
+def phrases(source: int, grammar: Grammar, speed: Array, fps: float) -> tuple[facts.Phrase, ...]:
+    """The phrases of one recording.
+
+    Parameters
+    ----------
+    speed : √(2D)/Δt of each of its frames, shape (frames,).
+    fps : frames a second.
+    """
+    return tuple(
+        facts.Phrase(
+            source=source,
+            start=phrase.start,
+            end=phrase.end,
+            start_s=phrase.start / fps,
+            end_s=phrase.end / fps,
+            **({} if phrase.verdict is None else _judged(phrase.verdict)),
+            speed_mean=float(speed[phrase.start : phrase.end].mean()),
+            kind=phrase.kind,
+        )
+        for phrase in grammar.phrases
+    )
+
+
+def cycles(grammar: Grammar, first_phrase: int) -> tuple[facts.Cycle, ...]:
+    """The cycles of all phrases of one recording.
+
+    Parameters
+    ----------
+    first_phrase : place of the recording's first phrase among those of all recordings.
+    """
+    return tuple(
+        facts.Cycle(
+            phrase=first_phrase + number,
+            start=int(cycle.start),
+            end=int(cycle.end),
+            period_s=float(cycle.period_s),
+            phase=_known(cycle.phase),
+            mirror_residual=_known(cycle.mirror_residual),
+        )
+        for number, phrase in enumerate(grammar.phrases)
+        if phrase.verdict is not None
+        for cycle in phrase.verdict.cycles
+    )
+
+
+def _judged(verdict: Verdict) -> dict[str, Any]:
+    """What a verdict says of a phrase and of the whole alike."""
+    r = verdict.residuals
+    bias = verdict.bias
+    return {
+        "class_": None if verdict.class_ is None else str(verdict.class_),
+        "group": verdict.group,
+        "period_s": _known(verdict.period_s),
+        "confidence": float(verdict.confidence),
+        "runner_up": None if verdict.runner_up is None else str(verdict.runner_up),
+        "residuals": facts.Residuals(*(_known(v) for v in (r.period, r.mirror, r.glide, r.reverse, r.mirror_reverse))),
+        "repeats": _known(verdict.repeats),
+        "bias_largest_degrees": None if bias is None else float(bias.largest_degrees),
+        "reasons": tuple(verdict.reasons),
+    }
+
+
+def _known(value: float | None) -> float | None:
+    """JSON has no infinity: what could not be measured is not known."""
+    return None if value is None or not np.isfinite(value) else float(value)
