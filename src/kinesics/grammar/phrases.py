@@ -105,7 +105,7 @@ class Crossing:
 
 def find_phrases(moments: Moments) -> tuple[Phrase, ...]:
     """The recording cut into phrases, which follow one another without gaps from the first moment to the last."""
-    coarse, step = _thin(moments)
+    coarse, step = thinned(moments, RATE)
     n = coarse.count
     by_lag = coarse.by_lag(_lags(coarse.fps))[0:2]
     weight = _crossing(coarse, by_lag)
@@ -131,7 +131,7 @@ def find_phrases(moments: Moments) -> tuple[Phrase, ...]:
 
 def crossing(moments: Moments) -> Crossing:
     """The curve that phrases are read from: recurrences that reach across each moment."""
-    coarse, step = _thin(moments)
+    coarse, step = thinned(moments, RATE)
     return Crossing(_crossing(coarse, coarse.by_lag(_lags(coarse.fps))), step)
 
 
@@ -143,9 +143,9 @@ class _Piece:
     recurs: bool = False
 
 
-def _thin(moments: Moments) -> tuple[Moments, int]:
-    """Every so manieth moment, so that there are about `RATE` a second."""
-    step = max(1, round(moments.fps / RATE))
+def thinned(moments: Moments, rate: float) -> tuple[Moments, int]:
+    """Every so manieth moment, so that there are about ``rate`` a second; and how manieth."""
+    step = max(1, round(moments.fps / rate))
     if step == 1 or moments.count < 2 * step:
         return moments, 1
     speed = moments.speed[::step].copy()
@@ -213,7 +213,7 @@ def _recurrences(coarse: Moments, by_lag: tuple[Floats, Floats], widths: Sequenc
     n = coarse.count
     reach = min(round(REACH_S * coarse.fps), n - 1)
     bend = lags.bend_cost(by_lag[0])
-    ranges = {w: _RANGE * _spread(by_lag[0], w) for w in widths}
+    ranges = {w: _RANGE * spread(by_lag[0], w) for w in widths}
     floor = 0.5 * STILL**2 + _RANGE * coarse.noise
     out = np.zeros((reach + 1, n), dtype=np.float32)
     for distance in by_lag:
@@ -267,7 +267,7 @@ def _extended(distance: Floats, total: Floats, steps: Sequence[tuple[int, int, f
     return best
 
 
-def _spread(by_lag: Floats, half: int) -> Array:
+def spread(by_lag: Floats, half: int) -> Array:
     """Mean distance between all moments within ``half`` of each moment, each with itself included."""
     n = by_lag.shape[1]
     t = np.arange(n)

@@ -1,0 +1,624 @@
+"""Motifs: stretches that recur, the same, mirrored, backwards or both; states that return; turnings back; strikes.
+
+The dissertation's visual motifs ([Schultz2012] §3.2-3.4): proximity signals in Z (same, reverse) and Z* (mirror, mirror and
+reverse), along the identity axis or at right angles to it. Here they are sets: a stretch, and all places where it comes back.
+
+- `find_motifs`: going through the recording, the first stretch not yet explained is looked up in the whole recording, made as
+  long as it recurs, and looked up again as a whole; what is found is explained and not looked up any more. So a movement done
+  a hundred times is one set of a hundred members, not 4,950 pairs.
+- `find_state_repetitions` (§3.2.2, §3.4.2), `find_reversals` (§3.2.4), `find_strikes` (§3.6.3).
+
+**Tempo** is free: one side may go up to twice as fast as the other, for a while or throughout. **Ends** are where the alignment
+gains no more (Smith and Waterman 1981): every moment of it gains what it is nearer than chance. **Chance**: distances are
+measured against the range of the movement around; unrelated movement leaves about 1. **Stillness** has no range and gains nothing:
+it never poses as a repetition.
+
+Memory grows with the length of the recording and with the stretch that is looked up, not with its square.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinesics.grammar import lags
+from kinesics.grammar.moments import Moments
+from kinesics.grammar.phrases import RATE, STILL, spread, thinned
+from kinesics.progress import Progress, silent
+from kinesics.similarity import chord
+
+Array = NDArray[np.float64]
+Floats = NDArray[np.float32]
+
+RELATIONS: Final = ("same", "mirror", "reverse", "mirror_reverse")
+CHANCE: Final = 0.35
+"""Mean distance of a member to the first one, over the movement's range, up to which it counts."""
+_GAIN: Final = 0.4
+"""A moment gains as much as it is nearer than this share of the range."""
+SEED_S: Final = 0.8
+"""Half the length of the stretch that is looked up first, seconds."""
+LONGEST_S: Final = 20.0
+SHORTEST_S: Final = 0.6
+FULL_RATE_MOMENTS: Final = 6000
+"""Up to so many moments are read one by one, of longer recordings as many as make `kinesics.grammar.phrases.RATE` a second."""
+_RANGE: Final = 1.3
+_SWAY: Final = 4e-4
+"""Range of a body at rest, beyond the noise (as in `kinesics.grammar.evidence`)."""
+_DROP: Final = 0.4
+"""An extension ends when it has lost what this many seconds of perfect agreement gain."""
+_BEND: Final = 0.02
+_EDGE: Final = 0.01
+_TURN_S: Final = (0.4, 0.8, 1.6)
+_TURNING: Final = 0.2
+"""Residual up to which a path counts as turning back,"""
+_TURN_SPEED: Final = 0.7
+"""where it is slower than this share of its speed around."""
+_TURNS_APART_S: Final = 0.25
+STRIKE_S: Final = 0.12
+"""A strike loses half of its speed in no more than this. A swing of half a second takes .17 s."""
+_STRIKE_SPEED: Final = 2.0
+"""A strike is faster than the middling movement of the recording by this factor."""
+_SAME_STATE: Final = 2.0
+"""Times the sway of a body at rest: so exactly people come back to a pose."""
+
+
+@dataclass(frozen=True)
+class Member:
+    """One occurrence, moments [start, end)."""
+
+    start: int
+    end: int
+    reversed: bool
+    mirrored: bool
+    residual: float
+    """Mean distance to the first member over its range."""
+    path: tuple[tuple[int, int], ...]
+    """Pairs of moments (this member's, the first member's), from its start to its end."""
+
+
+@dataclass(frozen=True)
+class Motif:
+    """A stretch that recurs under one relation: its first occurrence and all others."""
+
+    id: int
+    family: int
+    """Motifs of one stretch under several relations share this number."""
+    relation: str
+    similarity: float
+    """One less the mean residual of all members but the first: 1 is exact."""
+    members: tuple[Member, ...]
+
+
+@dataclass(frozen=True)
+class StateRepetition:
+    """Moments at which one pose is taken; with ``mirrored``, the pose and its mirror image."""
+
+    moments: tuple[int, ...]
+    mirrored: bool
+
+
+@dataclass(frozen=True)
+class Reversal:
+    """A moment at which the movement turns back on its own path."""
+
+    moment: int
+    residual: float
+
+
+@dataclass(frozen=True)
+class Strike:
+    """A fast movement that ends abruptly."""
+
+    moment: int
+    """When half of the speed is gone."""
+    speed: float
+    """√(2D)/Δt at its fastest, 1/s."""
+
+
+def find_motifs(moments: Moments, progress: Progress = silent) -> tuple[Motif, ...]:
+    """All stretches that recur, as sets.
+
+    Raises
+    ------
+    kinesics.errors.InputError
+        Never for moments made by `kinesics.grammar.moments`.
+    """
+    coarse, step = (moments, 1) if moments.count <= FULL_RATE_MOMENTS else thinned(moments, RATE)
+    search = _Search(coarse)
+    found = search.run(progress)
+    return tuple(_at_rate(motif, step, moments.count) for motif in found)
+
+
+class _Search:
+    """The recording, and what of it is explained."""
+
+    def __init__(self, moments: Moments) -> None:
+        self.moments = moments
+        n, fps = moments.count, moments.fps
+        self.half = max(2, round(SEED_S * fps))
+        by_lag = moments.by_lag(2 * self.half + 1)[0]
+        floor = _SWAY + _RANGE * moments.noise
+        range_ = _RANGE * spread(by_lag, self.half)
+        self.range: Array = np.where(range_ > floor, range_, 0.0)
+        self.still = _RANGE * spread(by_lag, max(1, self.half // 2)) <= floor
+        finite = by_lag[1:][np.isfinite(by_lag[1:])]
+        self.bend = np.float32(
+            _BEND * float(np.median(finite[:: max(1, len(finite) // 100_000)])) if len(finite) else 0.0
+        )
+        self.explained = np.zeros(n, dtype=np.bool_)
+        self.way = np.concatenate([[0.0], np.cumsum(_quiet_speed(moments)[1:])])
+
+    def run(self, progress: Progress) -> list[Motif]:
+        out: list[Motif] = []
+        n = self.moments.count
+        stride = max(1, self.half // 2)
+        i = self.half
+        family = 0
+        while i < n - self.half:
+            progress(i / n, "motifs")
+            if self.explained[i] or self.still[i] or self.range[i] <= 0.0:
+                i += 1
+                continue
+            run = self._unexplained(i)
+            if run[1] - run[0] < SHORTEST_S * self.moments.fps:
+                i = run[1]
+                continue
+            stretch = self._stretch(i)
+            members = self._members(*stretch) if stretch else []
+            if len(members) < 2 or self.explained[members[0].start : members[0].end].mean() > 0.5:
+                i += stride
+                continue
+            for member in members:
+                self.explained[member.start : member.end] = True
+            first = members[0]
+            for relation in RELATIONS:
+                flags = ("reverse" in relation, "mirror" in relation)
+                others = [m for m in members[1:] if (m.reversed, m.mirrored) == flags]
+                if others:
+                    mean = float(np.mean([m.residual for m in others]))
+                    out.append(Motif(len(out), family, relation, 1.0 - mean, (first, *others)))
+            family += 1
+            i += 1
+        progress(1.0, "motifs")
+        return out
+
+    def _stretch(self, i: int) -> tuple[int, int] | None:
+        """The stretch about a moment that recurs, as long as it does so; None where nothing does."""
+        half = self.half
+        own = slice(i - half, i + half + 1)
+        size = float(self.range[i])
+        hits: list[tuple[int, bool, bool]] = []
+        nearest = 10**9
+        for mirrored, tile in enumerate(self.moments.tile(own, slice(0, self.moments.count))):
+            for backwards in (False, True):
+                cost = self._seed(tile, backwards=backwards)
+                cost[max(0, i - 2 * half) : i + 2 * half + 1] = (
+                    np.inf if not mirrored or backwards else cost[max(0, i - 2 * half) : i + 2 * half + 1]
+                )
+                share = (cost - self.moments.noise) / size
+                for j in _valleys(share, CHANCE, half):
+                    # of movement of another size the one cannot be the other
+                    if self.range[j] > 0.0:
+                        hits.append((j, bool(mirrored), backwards))
+                        if not mirrored and not backwards:
+                            nearest = min(nearest, abs(j - i))
+        nearest = min(nearest, self._period_near(i))
+        best: tuple[int, int] | None = None
+        for j, mirrored_, backwards in hits[:_MOST_HITS]:
+            if abs(j - i) < 2:
+                continue
+            back, ahead = self._extent(i, j, mirrored=mirrored_, backwards=backwards)
+            a, b = i - back, i + ahead + 1
+            if backwards:
+                middle = (i + j) // 2
+                a, b = (a, min(b, middle + 1)) if j > i else (max(a, middle), b)
+            a = max(a, self._unexplained(i)[0])
+            b = min(b, a + nearest, a + round(LONGEST_S * self.moments.fps))
+            if best is None or b - a > best[1] - best[0]:
+                best = (a, b)
+        if best is None:
+            return None
+        a, b = self._trimmed(*best)
+        return (a, b) if a <= i < b and b - a >= SHORTEST_S * self.moments.fps else None
+
+    def _period_near(self, i: int) -> int:
+        """The shortest lag at which the movement about a moment is the same, were it shorter than the seed is long."""
+        half = self.half // 2
+        n = self.moments.count
+        low, high = max(0, i - 4 * half - half), min(n, i + 4 * half + half + 1)
+        if i - half < 0 or i + half >= n:
+            return 10**9
+        tile = self.moments.tile(slice(i - half, i + half + 1), slice(low, high))[0]
+        cost = (self._seed(tile, backwards=False) - self.moments.noise) / max(float(self.range[i]), 1e-12)
+        best = 10**9
+        for side in (cost[i - low :], cost[i - low :: -1]):
+            risen = np.maximum.accumulate(np.where(np.isfinite(side), side, 0.0)) > _GAIN
+            valley = [k for k in _valleys(np.where(risen, side, np.inf), CHANCE, 2) if k >= 0.25 * self.moments.fps]
+            if valley:
+                best = min(best, int(valley[0]))
+        return best
+
+    def _unexplained(self, i: int) -> tuple[int, int]:
+        """The run of moments about ``i`` of which nothing is explained."""
+        before, after = np.flatnonzero(self.explained[:i]), np.flatnonzero(self.explained[i:])
+        return (int(before[-1]) + 1 if len(before) else 0), (i + int(after[0]) if len(after) else len(self.explained))
+
+    def _trimmed(self, a: int, b: int) -> tuple[int, int]:
+        """Without the stillness at either end."""
+        way = self.way[a:b]
+        total = float(way[-1] - way[0]) if len(way) else 0.0
+        if total <= 0.0:
+            return a, a
+        share = (way - way[0]) / total
+        # the last moment before anything moved, the first one after
+        first = int(np.searchsorted(share, _EDGE, side="right")) - 1
+        last = int(np.searchsorted(share, 1.0 - _EDGE))
+        return a + max(0, first), a + min(len(way), last + 1)
+
+    def _seed(self, tile: Floats, *, backwards: bool) -> Floats:
+        """Mean distance along the cheapest path of all rows that passes the middle row at each column, the worse half."""
+        half = len(tile) // 2
+        sides = []
+        for direction in (1, -1):
+            run = np.zeros(tile.shape[1], dtype=np.float32)
+            towards = -direction if backwards else direction
+            for s in range(half, 0, -1):
+                run = run + tile[half + direction * s]
+                best = run + self.bend
+                _lower(best, run, towards, 0.0)
+                _lower(best, run, 2 * towards, self.bend)
+                # beyond the recording there is nothing
+                edge = slice(-1, None) if towards > 0 else slice(0, 1)
+                best[edge] = np.inf
+                run = best
+            sides.append((run + tile[half]) / np.float32(half + 1))
+        worse: Floats = np.maximum(*sides)
+        return worse
+
+    def _extent(self, i: int, j: int, *, mirrored: bool, backwards: bool) -> tuple[int, int]:
+        """How many moments before and after ``i`` the agreement with what surrounds ``j`` goes on."""
+        ahead = self._one_way(i, j, 1, mirrored, backwards=backwards)
+        back = self._one_way(i, j, -1, mirrored, backwards=backwards)
+        return back, ahead
+
+    def _one_way(self, i: int, j: int, direction: int, mirrored: bool, *, backwards: bool) -> int:
+        n = self.moments.count
+        most = round(LONGEST_S * self.moments.fps)
+        rows = min(most, n - 1 - i if direction > 0 else i)
+        towards = -direction if backwards else direction
+        columns = min(2 * rows, n - 1 - j if towards > 0 else j)
+        drop = _DROP * self.moments.fps * _GAIN * float(self.range[i])
+        block = 64
+        total = np.full(columns + 1, -np.inf)
+        before = total.copy()
+        best, best_row = -np.inf, 0
+        for first in range(0, rows + 1, block):
+            last = min(first + block, rows + 1)
+            row_slice = slice(i + first, i + last) if direction > 0 else slice(i - last + 1, i - first + 1)
+            width = min(columns + 1, 2 * last + 1)
+            col_slice = slice(j, j + width) if towards > 0 else slice(j - width + 1, j + 1)
+            tile = self.moments.tile(row_slice, col_slice)[int(mirrored)]
+            tile = tile[:: 1 if direction > 0 else -1, :: 1 if towards > 0 else -1]
+            gains = _GAIN * self.range[row_slice][:: 1 if direction > 0 else -1]
+            still = self.still[row_slice][:: 1 if direction > 0 else -1]
+            for r in range(first, last):
+                gain = gains[r - first] - tile[r - first] + self.moments.noise
+                if still[r - first]:
+                    return best_row
+                if r == 0:
+                    now = np.full(columns + 1, -np.inf)
+                    now[0] = gain[0]
+                else:
+                    now = _advance(total, before, gain, float(self.bend))
+                before, total = total, now
+                top = float(now.max())
+                if top > best:
+                    best, best_row = top, r
+                elif top < best - drop:
+                    return best_row
+        return best_row
+
+    def _members(self, a: int, b: int) -> list[Member]:
+        """The stretch and all other places where it is found, non-overlapping, the nearest ones first."""
+        moments = self.moments
+        n = moments.count
+        size = float(np.mean(self.range[a:b]))
+        own = moments.tile(slice(a, b), slice(a, b))[0]
+        size = max(_RANGE * float(own.mean()), 1e-12)
+        first = Member(a, b, False, False, 0.0, tuple((k, k) for k in range(a, b)))
+        candidates: list[tuple[float, int, int, int]] = []
+        tables = {}
+        for mirrored, tile in enumerate(moments.tile(slice(a, b), slice(0, n))):
+            for backwards in (False, True):
+                rows = tile[::-1] if backwards else tile
+                cost, start = _subsequence(rows, float(self.bend))
+                share = (cost / (b - a) - moments.noise) / size
+                which = 2 * backwards + mirrored
+                tables[which] = rows
+                # at equal terms the simpler relation
+                candidates.extend(
+                    (float(share[end]) + 0.02 * which, which, int(start[end]), int(end) + 1)
+                    for end in _valleys(share, CHANCE, max(2, (b - a) // 4))
+                )
+        taken = np.zeros(n, dtype=np.bool_)
+        taken[a:b] = True
+        out = [first]
+        slack = max(1, (b - a) // 10)
+        for share_, which, s, e in sorted(candidates):
+            middle = taken[s + slack : e - slack]
+            if e - s < 0.45 * (b - a) or middle.any() or not len(middle):
+                continue
+            if not self._moves(s, e, size):
+                continue
+            # a border moment shared with a neighbour belongs to the one that came first
+            s, e = s + int(taken[s : s + slack].sum()), e - int(taken[e - slack : e].sum())
+            taken[s:e] = True
+            mirrored_, backwards = bool(which % 2), which >= 2
+            path = _path(tables[which][:, s:e], float(self.bend))
+            pairs = tuple((s + c, b - 1 - r if backwards else a + r) for r, c in path)
+            out.append(Member(s, e, backwards, mirrored_, max(0.0, share_ - 0.02 * which), pairs))
+        return [out[0], *sorted(out[1:], key=lambda m: m.start)]
+
+    def _moves(self, a: int, b: int, size: float) -> bool:
+        index = np.unique(np.linspace(a, b - 1, 24).round().astype(np.intp))
+        return _RANGE * float(self.moments.thinned(index)[0].mean()) > max(0.25 * size, _SWAY)
+
+
+_MOST_HITS: Final = 24
+
+
+def _lower(best: Floats, run: Floats, shift: int, cost: float | np.float32) -> None:
+    """``best[j] = min(best[j], run[j + shift] + cost)``."""
+    k = abs(shift)
+    if k >= len(run):
+        return
+    here, there = (slice(None, -k), slice(k, None)) if shift > 0 else (slice(k, None), slice(None, -k))
+    np.minimum(best[here], run[there] + np.float32(cost), out=best[here])
+
+
+def _advance(total: Array, before: Array, gain: Array, bend: float) -> Array:
+    """One row further: from one row and one column back, one row and two columns, or two rows and one column."""
+    m = len(gain)
+    best = np.full(len(total), -np.inf)
+    best[1:m] = total[: m - 1]
+    np.maximum(best[2:m], total[: m - 2] - bend, out=best[2:m])
+    np.maximum(best[1:m], before[: m - 1] - bend, out=best[1:m])
+    best[:m] += gain
+    return best
+
+
+def _subsequence(tile: Floats, bend: float) -> tuple[Array, NDArray[np.intp]]:
+    """The cheapest way through all rows that ends at each column: summed distance, and the column it began at.
+
+    Each step goes on by one row and one column, one row and two columns, or two rows and one column (the row between counts as
+    much as the one that is reached), so that the tempo stays between half and double.
+    """
+    rows, n = tile.shape
+    columns = np.arange(n)
+    total, start = tile[0].astype(np.float64), columns.copy()
+    before, before_start = np.full(n, np.inf), columns.copy()
+    for r in range(1, rows):
+        here = tile[r].astype(np.float64)
+        options = np.full((3, n), np.inf)
+        options[0, 1:] = total[:-1] + here[1:]
+        options[1, 2:] = total[:-2] + here[2:] + bend
+        options[2, 1:] = before[:-1] + 2.0 * here[1:] + bend
+        best = options.argmin(axis=0)
+        origins = np.stack([np.roll(start, 1), np.roll(start, 2), np.roll(before_start, 1)])
+        before, before_start = total, start
+        total, start = options[best, columns], origins[best, columns]
+    return total, start
+
+
+def _path(tile: Floats, bend: float) -> list[tuple[int, int]]:
+    """Rows and columns of the cheapest way through all rows, with the steps of `_subsequence`; ends may be free by an eighth."""
+    rows, n = tile.shape
+    total = np.full((rows, n), np.inf)
+    came = np.zeros((rows, n), dtype=np.int8)
+    total[0, : max(1, n // 8)] = tile[0, : max(1, n // 8)]
+    if rows > 1:
+        total[1, :1] = tile[1, :1] * 2.0
+    for r in range(1, rows):
+        options = np.full((3, n), np.inf)
+        options[0, 1:] = total[r - 1, :-1] + tile[r, 1:]
+        options[1, 2:] = total[r - 1, :-2] + tile[r, 2:] + bend
+        if r > 1:
+            options[2, 1:] = total[r - 2, :-1] + 2.0 * tile[r, 1:] + bend
+        best = options.argmin(axis=0)
+        value = options[best, np.arange(n)]
+        better = value < total[r]
+        total[r][better] = value[better]
+        came[r] = np.where(better, best + 1, 0)
+    ends = total[-1, n - max(1, n // 8) :]
+    r, c = rows - 1, n - max(1, n // 8) + int(ends.argmin())
+    if not np.isfinite(total[r, c]):
+        # too unequal for the steps: a straight line
+        return [(round(k * (rows - 1) / max(n - 1, 1)), k) for k in range(n)]
+    out = [(r, c)]
+    while came[r, c]:
+        dr, dc = ((1, 1), (1, 2), (2, 1))[came[r, c] - 1]
+        r, c = r - dr, c - dc
+        out.append((r, c))
+    return out[::-1]
+
+
+def _valleys(values: Array | Floats, below: float, apart: int) -> list[int]:
+    """Indices of the minima under a level, each the lowest within ``apart``, the lowest first."""
+    n = len(values)
+    out: list[int] = []
+    blocked = np.zeros(n, dtype=np.bool_)
+    low = np.flatnonzero(values < below)
+    if not len(low):
+        return out
+    inner = np.concatenate([[np.inf], np.asarray(values, dtype=np.float64), [np.inf]])
+    minimum = (inner[1:-1] <= inner[:-2]) & (inner[1:-1] <= inner[2:])
+    low = low[minimum[low]]
+    for k in low[np.argsort(values[low], kind="stable")]:
+        if not blocked[k]:
+            out.append(int(k))
+            blocked[max(0, k - apart) : k + apart + 1] = True
+    return out
+
+
+def _quiet_speed(moments: Moments) -> Array:
+    """Way of each step without what the noise adds to it."""
+    squared = (moments.speed / moments.fps) ** 2
+    smooth = np.convolve(np.pad(squared, 1, mode="edge"), np.ones(3) / 3.0, "valid")
+    return np.sqrt(np.maximum(smooth - 4.0 * moments.noise, 0.0))
+
+
+def _at_rate(motif: Motif, step: int, count: int) -> Motif:
+    if step == 1:
+        return motif
+
+    def moment(k: int) -> int:
+        return min(k * step, count)
+
+    return replace(
+        motif,
+        members=tuple(
+            replace(
+                m,
+                start=moment(m.start),
+                end=moment(m.end),
+                path=tuple((moment(x), moment(y)) for x, y in m.path),
+            )
+            for m in motif.members
+        ),
+    )
+
+
+def find_reversals(moments: Moments) -> tuple[Reversal, ...]:
+    """Moments at which the movement turns back on its own path, in order.
+
+    What comes after is what was before, backwards, for 0.4 s at least (or 0.8 or 1.6 s, where it stays at the turning for a
+    while), and the body is slow there: at a turning speed falls, whereas a path that is only bent keeps it.
+    """
+    n, fps = moments.count, moments.fps
+    reaches = [w for w in (max(2, round(s * fps)) for s in _TURN_S) if 2 * w < n]
+    if not reaches:
+        return ()
+    by_lag = moments.by_lag(2 * max(reaches) + 1)[0]
+    bend = lags.bend_cost(by_lag)
+    floor = _SWAY + _RANGE * moments.noise
+    places = np.arange(2 * n - 1)
+    least = np.full(2 * n - 1, np.inf)
+    on = _speed_on_moments(moments)
+    for reach in reaches:
+        range_ = _RANGE * spread(by_lag, reach)
+        # a place between two moments has the range of both
+        size = 0.5 * (range_[places // 2] + range_[(places + 1) // 2])
+        mean = np.convolve(np.pad(on, reach, mode="edge"), np.ones(2 * reach + 1) / (2 * reach + 1), "valid")
+        slow = on[places // 2] + on[(places + 1) // 2] < 2.0 * _TURN_SPEED * mean[places // 2]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = np.maximum(lags.turning(by_lag, reach, bend=bend).costs - moments.noise, 0.0) / size
+        share[(size <= floor) | ~slow] = np.inf
+        np.minimum(least, share, out=least)
+    found = _valleys(least, _TURNING, round(2 * _TURNS_APART_S * fps))
+    return tuple(Reversal(c // 2, float(least[c])) for c in sorted(found))
+
+
+def find_strikes(moments: Moments) -> tuple[Strike, ...]:
+    """Fast movements that end abruptly (§3.6.3: the identity signal thins, then a spike stands at right angles to it)."""
+    v, fps = np.convolve(np.pad(moments.speed, 1, mode="edge"), (0.25, 0.5, 0.25), "valid"), moments.fps
+    moving = v[v > STILL]
+    if len(v) < 4 or not len(moving):
+        return ()
+    enough = _STRIKE_SPEED * float(np.median(moving))
+    span = max(1, int(np.floor(STRIKE_S * fps + 1e-9)))
+    out: list[Strike] = []
+    for k in range(1, len(v) - 1):
+        if not (v[k] >= enough and v[k] >= v[k - 1] and v[k] > v[k + 1]):
+            continue
+        after = np.flatnonzero(v[k + 1 : k + 1 + span] <= 0.5 * v[k])
+        if not len(after):
+            continue
+        hit = Strike(int(k + 1 + after[0]), float(v[k]))
+        if out and hit.moment - out[-1].moment <= 2 * span:
+            out[-1] = max(out[-1], hit, key=lambda s: s.speed)
+        else:
+            out.append(hit)
+    return tuple(out)
+
+
+def find_state_repetitions(moments: Moments) -> tuple[StateRepetition, ...]:
+    """Poses that are taken again: calm moments and the first and last one, merged under D and under D*.
+
+    Moments of one stay are one: between two of a set the body has been elsewhere.
+    """
+    marks = _calm(moments)
+    if len(marks) < 2:
+        return ()
+    d, mirrored = (chord(m.astype(np.float64)) for m in moments.thinned(marks))
+    near = float(np.sqrt((_SAME_STATE * STILL) ** 2 + 4.0 * moments.noise))
+    groups = _groups(d, near)
+    visits = [_visits(moments, marks[group], near) for group in groups]
+    out = [StateRepetition(tuple(group), mirrored=False) for group in visits if len(group) > 1]
+    place = {int(m): k for k, m in enumerate(marks)}
+    for x, a in enumerate(visits):
+        for b in visits[x + 1 :]:
+            between = mirrored[np.ix_([place[m] for m in a], [place[m] for m in b])]
+            if float(between.mean()) <= near:
+                out.append(StateRepetition(tuple(sorted((*a, *b))), mirrored=True))
+    return tuple(out)
+
+
+def _calm(moments: Moments) -> NDArray[np.intp]:
+    """The first and last moment and those in between at which speed is least for a quarter of a second either way."""
+    v = _speed_on_moments(moments)
+    n = len(v)
+    apart = max(1, round(0.25 * moments.fps))
+    padded = np.pad(v, apart, mode="edge")
+    least = np.lib.stride_tricks.sliding_window_view(padded, 2 * apart + 1).min(axis=1)
+    most = np.lib.stride_tricks.sliding_window_view(np.pad(v, 4 * apart, mode="edge"), 8 * apart + 1).max(axis=1)
+    marks = np.flatnonzero((v <= least) & (v < _TURN_SPEED * most))
+    return np.unique(np.concatenate([[0], marks, [n - 1]])).astype(np.intp)
+
+
+def _groups(distance: Array, near: float) -> list[NDArray[np.intp]]:
+    """Marks merged under average linkage, groups in order of their first member."""
+    from scipy.cluster.hierarchy import fcluster, linkage
+    from scipy.spatial.distance import squareform
+
+    even = 0.5 * (distance + distance.T)
+    np.fill_diagonal(even, 0.0)
+    labels = fcluster(linkage(squareform(even, checks=False), "average"), near, "distance")
+    firsts = {int(label): int(np.flatnonzero(labels == label)[0]) for label in np.unique(labels)}
+    return [np.flatnonzero(labels == label) for label in sorted(firsts, key=lambda k: firsts[k])]
+
+
+def _visits(moments: Moments, marks: NDArray[np.intp], near: float) -> list[int]:
+    """One moment for each visit: between two of them the body has been further away than ``near``."""
+    out = [int(marks[0])]
+    for mark in marks[1:]:
+        index = np.unique(np.linspace(out[-1], int(mark), 32).round().astype(np.intp))
+        if float(chord(moments.thinned(index)[0][0].astype(np.float64)).max()) > near:
+            out.append(int(mark))
+    return out
+
+
+def _speed_on_moments(moments: Moments) -> Array:
+    """Speed at each moment, the mean of the steps to it and from it, smoothed over three."""
+    v = moments.speed
+    on = v.copy()
+    on[1:-1] = 0.5 * (v[1:-1] + v[2:])
+    return np.convolve(np.pad(on, 1, mode="edge"), (0.25, 0.5, 0.25), "valid")
+
+
+def in_frames(moments: Moments, motifs: Sequence[Motif]) -> Iterator[Motif]:
+    """Motifs with frames of the recording in the place of moments."""
+    for motif in motifs:
+        members = tuple(
+            replace(
+                m,
+                start=moments.frame_of(m.start),
+                end=moments.frame_of(m.end),
+                path=tuple((moments.frame_of(x), moments.frame_of(y)) for x, y in m.path),
+            )
+            for m in motif.members
+        )
+        yield replace(motif, members=members)
