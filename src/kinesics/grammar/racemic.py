@@ -124,9 +124,7 @@ def _traceless(graph: MotionGraph) -> frozenset[int] | None:
             return False
         if {before.from_, after.to} & orbit:
             return False
-        # a recording that begins or ends in the state itself shows it
-        cuts = {o.start for o in after.occurrences} ^ {o.end for o in before.occurrences}
-        return not cuts or not _whole_cut(before, after)
+        return not _met_at_an_end(before, after)
 
     for state in graph.states:
         orbit = frozenset({state.id} if state.mirror_of is None else {state.id, state.mirror_of})
@@ -135,18 +133,17 @@ def _traceless(graph: MotionGraph) -> frozenset[int] | None:
     return None
 
 
-def _whole_cut(before: Path, after: Path) -> bool:
-    """Whether a recording begins or ends exactly between the two paths."""
+def _met_at_an_end(before: Path, after: Path) -> bool:
+    """Whether a recording begins or ends exactly between the two paths: it shows the state there."""
     ends = {(o.source, o.end) for o in before.occurrences}
     starts = {(o.source, o.start) for o in after.occurrences}
-    lone = [o for o in after.occurrences if (o.source, o.start) not in ends and o.complete]
-    lone += [o for o in before.occurrences if (o.source, o.end) not in starts and o.complete]
-    return bool(lone)
+    begins = any(o.complete and (o.source, o.start) not in ends for o in after.occurrences)
+    return begins or any(o.complete and (o.source, o.end) not in starts for o in before.occurrences)
 
 
 def _without(graph: MotionGraph, states: frozenset[int]) -> MotionGraph:
     joined: dict[int, Path] = {}
-    merged_into: dict[int, int] = {}
+    halves: dict[int, Path] = {}
     for state in states:
         before = next(p for p in graph.paths if p.to == state)
         after = next(p for p in graph.paths if p.from_ == state)
@@ -161,11 +158,18 @@ def _without(graph: MotionGraph, states: frozenset[int]) -> MotionGraph:
             )
         occurrences += [dataclasses.replace(o, complete=False) for o in starts.values()]
         joined[before.id] = dataclasses.replace(before, to=after.to, occurrences=_in_order(occurrences))
-        merged_into[after.id] = before.id
-    paths = [joined.get(p.id, p) for p in graph.paths if p.id not in merged_into]
-    alive = {p.id for p in paths}
-    # where the image of one half has not gone the same way the two are no longer known to be images
-    paths = [dataclasses.replace(p, mirror_of=p.mirror_of if p.mirror_of in alive else None) for p in paths]
+        halves[before.id] = after
+    gone = {p.id for p in halves.values()}
+    paths = [joined.get(p.id, p) for p in graph.paths if p.id not in gone]
+
+    def image(path: Path) -> int | None:
+        # two joined paths are mirror images if both halves are
+        half = halves.get(path.id)
+        other = None if path.mirror_of is None else halves.get(path.mirror_of)
+        agree = path.mirror_of not in gone and (half is None) == (other is None)
+        return path.mirror_of if agree and (half is None or other is None or half.mirror_of == other.id) else None
+
+    paths = [dataclasses.replace(p, mirror_of=image(p)) for p in paths]
     return build([s for s in graph.states if s.id not in states], paths, graph.sources)
 
 

@@ -114,8 +114,8 @@ def graph_plot(
     head = 0.075 if figures else 0.095
     for curve in curves:
         _draw_curve(ax, curve, line, head)
-    _draw_states(ax, states, where, curves, radius, figures or {}, view, cell, line)
-    _draw_labels(ax, curves, points, radius, cell, head)
+    named = _draw_states(ax, states, where, curves, radius, figures or {}, view, cell, line)
+    _draw_labels(ax, curves, points, radius, cell, head, named)
     if not states:
         ax.text(0.5, 0.5, "no states", ha="center", va="center", color=canvas.FAINT, transform=ax.transAxes)
     return ax
@@ -372,14 +372,14 @@ def _curves(
         members.sort(key=lambda m: (_order(m), rank[m.from_], m.index, m.starred))
         offsets = _offsets(members, central=bool(a[0] == 0.0 and b[0] == 0.0))
         others = everyone[[not (np.array_equal(p, a) or np.array_equal(p, b)) for p in everyone]]
-        base = _way_round(a, b, normal, others, offsets, radius)
-        for member, offset in zip(members, offsets, strict=True):
-            curve = _bowed(a, b, normal * (base + offset), radius)
+        bows = _way_round(a, b, normal, others, offsets, radius)
+        for member, bow in zip(members, bows, strict=True):
+            curve = _bowed(a, b, normal * bow, radius)
             curves.append(_Curve(member, curve if member.from_ == first else curve[::-1]))
     for state in states:
         loops = groups.get((state.id, state.id), [])
         here = where[state.id]
-        angles = _directions(curves, state.id, here)
+        angles = _directions(curves, state.id, here, everyone, radius)
         preferred = {-1: np.pi, 1: 0.0, 0: 0.5 * np.pi}[_side(state)]
         for loop in sorted(loops, key=lambda m: m.index):
             angle = widest_gap(angles, preferred)
@@ -421,23 +421,28 @@ def _offsets(members: Sequence[_Arrow], *, central: bool) -> list[float]:
     return out
 
 
-def _way_round(a: Array, b: Array, normal: Array, others: Array, offsets: Sequence[float], radius: float) -> float:
-    """How far a whole bundle bows to pass the states between."""
+def _way_round(
+    a: Array, b: Array, normal: Array, others: Array, offsets: Sequence[float], radius: float
+) -> list[float]:
+    """How far each arrow of a bundle bows to pass the states between: all on one side, or some on either."""
     if not len(others):
-        return 0.0
+        return list(offsets)
     length = float(np.linalg.norm(b - a))
-    outward = -1.0 if a[0] == b[0] == 0.0 else 1.0
-    step = max(0.3, 0.16 * length) * outward
-    best, least = 0.0, np.inf
-    for base in (0.0, *(sign * f * step for f in (0.6, 1.0, 1.5, 2.1, 3.0) for sign in (1.0, -1.0))):
+    step = max(0.3, 0.16 * length) * (-1.0 if a[0] == b[0] == 0.0 else 1.0)
+    together = [
+        [base + o for o in offsets] for base in step * np.array([0.0, 0.6, -0.6, 1, -1, 1.5, -1.5, 2.1, -2.1, 3, -3])
+    ]
+    apart = [[o + float(np.sign(o)) * base for o in offsets] for base in abs(step) * np.array([0.6, 1.0, 1.5, 2.1])]
+    best, least = list(offsets), np.inf
+    for bows in [*together, *(apart if len(offsets) > 1 else [])]:
         hits = 0.0
-        for offset in offsets:
-            curve = _bowed(a, b, normal * (base + offset), 0.0)
+        for bow in bows:
+            curve = _bowed(a, b, normal * bow, 0.0)
             near = np.hypot(*np.moveaxis(others[:, None] - curve[None], -1, 0)).min(axis=1)
-            hits += float((near < radius + 0.1).sum()) + 0.3 * float((near < radius + 0.2).sum())
-        cost = hits + 0.25 * abs(base) / max(length, 1.0)
+            hits += float((near < radius + 0.06).sum()) + 0.4 * float((near < radius + 0.15).sum())
+        cost = hits + 0.25 * max(abs(bow) for bow in bows) / max(length, 1.0)
         if cost < least - 1e-9:
-            best, least = base, cost
+            best, least = bows, cost
     return best
 
 
@@ -454,7 +459,7 @@ def _bowed(a: Array, b: Array, apex: Array, radius: float) -> Array:
 
 def _loop(centre: Array, angle: float, radius: float) -> Array:
     """A cubic Bézier curve that leaves a state and comes back."""
-    spread, reach = 0.5, radius + 0.62
+    spread, reach = 0.5, radius + (0.62 if radius < 0.25 else 0.5)
     points = [
         centre + r * np.array([np.cos(angle + s), np.sin(angle + s)])
         for r, s in (
@@ -469,17 +474,23 @@ def _loop(centre: Array, angle: float, radius: float) -> Array:
     return np.asarray(sum(w * p for w, p in zip(weights, points, strict=True)))
 
 
-def _directions(curves: Sequence[_Curve], state: int, here: Array) -> list[float]:
-    """The angles at which arrows leave and reach a state; a loop keeps all between its ends."""
-    out = []
+def _directions(curves: Sequence[_Curve], state: int, here: Array, everyone: Array, radius: float) -> list[float]:
+    """The angles around a state at which there is something: arrows that touch or pass it, states beside it."""
+    out: list[Array] = []
     for curve in curves:
-        ends = curve.points[[3, -4]] - here
+        away = curve.points - here
         if curve.arrow.from_ == curve.arrow.to == state:
-            ends = np.concatenate([ends, ends.mean(axis=0, keepdims=True)])
+            ends = away[[3, -4]]
+            out.append(np.concatenate([ends, ends.mean(axis=0, keepdims=True)]))
+        elif state in (curve.arrow.from_, curve.arrow.to):
+            out.append(away[[3 if curve.arrow.from_ == state else -4]])
         else:
-            ends = ends[[curve.arrow.from_ == state, curve.arrow.to == state]]
-        out += [float(np.arctan2(y, x)) for x, y in ends]
-    return out
+            out.append(away[np.hypot(*away.T) < radius + 0.22][::4])
+    beside = everyone - here
+    distance = np.hypot(*beside.T)
+    out.append(beside[(distance > 0.0) & (distance < 1.1)])
+    found = np.concatenate(out)
+    return [float(v) for v in np.arctan2(found[:, 1], found[:, 0])]
 
 
 def _extent(points: Array, curves: Sequence[_Curve], radius: float) -> tuple[Array, Array]:
@@ -525,9 +536,12 @@ def _draw_states(
     view: View,
     cell: float,
     line: float,
-) -> None:
+) -> list[tuple[Array, tuple[float, float]]]:
+    """Circles, figures and labels; the centres and half sizes of labels that stand beside their states."""
     from matplotlib.patches import Circle
 
+    everyone = np.array(list(where.values())).reshape(-1, 2)
+    boxes: list[tuple[Array, tuple[float, float]]] = []
     size = float(np.clip(0.2 * cell, 4.5, 20.0))
     for state in states:
         x, y = (float(v) for v in where[state.id])
@@ -549,12 +563,14 @@ def _draw_states(
             continue
         if state.id in figures:
             _draw_figure(ax, *figures[state.id], (x, y), radius, view, cell)
-        angles = _directions(curves, state.id, where[state.id])
+        angles = _directions(curves, state.id, where[state.id], everyone, radius)
         preferred = 1.25 * np.pi if _side(state) <= 0 else 1.75 * np.pi
         angle = widest_gap(angles, preferred)
-        spot = (x + (radius + 0.11) * np.cos(angle), y + (radius + 0.11) * np.sin(angle))
+        spot = np.array([x + (radius + 0.11) * np.cos(angle), y + (radius + 0.11) * np.sin(angle)])
+        boxes.append((spot, _half_size(text, 0.8 * size / cell)))
         ax.text(
-            *spot,
+            float(spot[0]),
+            float(spot[1]),
             text,
             fontsize=0.8 * size,
             ha="center",
@@ -563,6 +579,7 @@ def _draw_states(
             zorder=4,
             bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8, "alpha": 0.85},
         )
+    return boxes
 
 
 def _draw_figure(
@@ -578,12 +595,20 @@ def _draw_figure(
     draw_strokes(ax, strokes, 0, origin, scale, 1.0, float(np.clip(cell / 75.0, 0.5, 2.2)))
 
 
-def _draw_labels(ax: Axes, curves: Sequence[_Curve], points: Array, radius: float, cell: float, head: float) -> None:
+def _draw_labels(
+    ax: Axes,
+    curves: Sequence[_Curve],
+    points: Array,
+    radius: float,
+    cell: float,
+    head: float,
+    named: Sequence[tuple[Array, tuple[float, float]]],
+) -> None:
     """Each label on its own arrow, at the place where it hides least."""
     size = float(np.clip((0.135 if len(points) <= 30 else 0.115) * cell, 3.6, 14.0))
     plain = _plain_labels([c.arrow.label for c in curves])
     lines = [c.points for c in curves]
-    boxes: list[tuple[Array, tuple[float, float]]] = []
+    boxes = list(named)
     for number, curve in enumerate(curves):
         index = curve.arrow.label not in plain
         text = notation.mathtext(curve.arrow.label, index=index)
@@ -634,7 +659,7 @@ def _label_places(curve: _Curve, half: tuple[float, float], head: float) -> list
         along = along / max(float(np.linalg.norm(along)), 1e-9)
         covered = 2.0 * min(half[0] / max(abs(along[0]), 1e-9), half[1] / max(abs(along[1]), 1e-9))
         price = 0.3 * abs(at - 0.5)
-        if covered < 0.62 * length:
+        if covered < 0.62 * length and abs(at - 0.5) * length + 0.5 * covered < 0.5 * length:
             out.append((points[k], price))
         elif abs(at - 0.5) < 0.2:
             normal = np.array([-along[1], along[0]])

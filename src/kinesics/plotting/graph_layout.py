@@ -21,6 +21,8 @@ CROSSING: Final = 3.0
 """What two arrows that cross cost, in squared cells of length."""
 COVERING: Final = 9.0
 """What an arrow over a state costs."""
+_MOST_STEPS: Final = 1000
+"""Of the annealing: a second or two for sixty states."""
 _CLEAR: Final = 0.42  # cells that an arrow keeps away from states it does not join
 
 
@@ -82,7 +84,7 @@ class _Annealing:
 
     def run(self, sweeps: int) -> Array:
         where = self.points()
-        steps = sweeps * len(self.orbits)
+        steps = min(sweeps * len(self.orbits), _MOST_STEPS)
         hot = 2.0
         best, best_cost, cost = list(self.cell), 0.0, 0.0
         for step in range(steps if len(self.orbits) > 1 else 0):
