@@ -36,6 +36,10 @@ _CYCLES_COMPARED: Final = 12
 _PHASES_COMPARED: Final = 12
 _ONCE_MOMENTS: Final = 600
 """Moments of a movement made once that are compared all with all; of a longer one every other, third, … is taken."""
+_SPANS: Final = (1, 2, 3, 4, 6, 8)
+_STANDS_OUT: Final = 6.0
+_MARGIN: Final = 1.5
+"""Times the noise is taken off: its mean square over three steps scatters by an eighth."""
 _EDGE: Final = 0.01
 """Share of the way at either end of a movement that is left out as stillness."""
 
@@ -256,10 +260,26 @@ def _slowest(speed: Array, centre: int) -> float:
 
 
 def _way(moments: Moments, start: int, end: int) -> Array:
-    """Way travelled in each step, without noise and without the crawling of the calmest tenth."""
-    way = _without_noise(moments, start, end) / moments.fps
-    if len(way) > 1:
-        way[0] = 0.0
+    """Way travelled in each step, without noise and without the crawling of the calmest tenth.
+
+    Slow movement is smaller from one moment to the next than the noise; over several moments it is not, while the noise stays
+    what it is: the shortest span is taken over which the livelier quarter of the stretch stands out.
+    """
+    n = end - start
+    way = np.zeros(n)
+    for span in (k for k in _SPANS if k < n):
+        d = (
+            0.5 * (moments.speed[start + 1 : end] / moments.fps) ** 2
+            if span == 1
+            else moments.by_lag(span, start, end)[0][span, : n - span].astype(np.float64)
+        )
+        smooth = np.convolve(np.pad(d, 1, mode="edge"), np.ones(3) / 3.0, "valid")
+        first = (span + 1) // 2
+        way[:] = 0.0
+        way[first : first + len(d)] = np.sqrt(2.0 * np.maximum(smooth - _MARGIN * moments.noise, 0.0)) / span
+        if float(np.quantile(d, 0.75)) > _STANDS_OUT * moments.noise:
+            break
+    if n > 1:
         crawl = min(float(np.quantile(way[1:], 0.1)), 0.1 * float(np.quantile(way[1:], 0.9)))
         way = np.maximum(way - 2.0 * crawl, 0.0)
     return way
