@@ -13,6 +13,9 @@ from kinesics.cli.recording import Reading
 if TYPE_CHECKING:
     from kinesics.analysis import Analysis
 
+_MOST_PHRASES = 40
+_LONGEST_SENTENCE = 1200
+
 SUMMARY = "Compare all moments of recordings; leave a report."
 EXAMPLES = (
     ("kinesics analyze walk.bvh", "leaves walk.bvh-kinesics/report.html"),
@@ -74,13 +77,22 @@ def analyze(
 
 
 def summarize(result: Analysis) -> None:
-    """A few lines for people: what went in, what was found, what was assumed."""
+    """What a choreographer wants to know: what it is, its phrases, its graph, what surprises; and what was assumed."""
+    from kinesics.report import words
+
     console = terminal.console()
     for number, source in enumerate(result.sources):
         console.print(
             f"[bold]{terminal.escape(source.name or 'a synthetic performance')}[/bold]: "
-            f"{source.frames} frames at {source.fps:g} fps, {source.duration_s:.1f} s"
+            f"{source.duration_s:.1f} s, {source.frames} frames at {source.fps:g} fps"
         )
+        console.print(f"  {terminal.escape(words.headline(result, number))}")
+        phrases = [k for k, p in enumerate(result.phrases) if p.source == number]
+        if len(phrases) > 1:
+            for k in phrases[:_MOST_PHRASES]:
+                console.print(f"    {terminal.escape(words.phrase_line(result, k))}")
+            if len(phrases) > _MOST_PHRASES:
+                console.print(f"    … and {len(phrases) - _MOST_PHRASES} more, in phrases.csv")
         still = sum(r.end - r.start for r in result.stillness if r.source == number) / source.frames
         symmetric = sum(r.end - r.start for r in result.symmetric_states if r.source == number) / source.frames
         console.print(f"  still {still:.0%} of the time, left and right alike {symmetric:.0%} of the time")
@@ -88,7 +100,16 @@ def summarize(result: Analysis) -> None:
             console.print(
                 f"  [dim]{len(source.assumptions)} things were assumed: see the report, or kinesics info[/dim]"
             )
-        for line in source.warnings:
-            console.print(f"  [yellow]looks wrong:[/yellow] {terminal.escape(line)}")
+    graph = result.graph
+    if graph.states:
+        console.print(f"  motion graph: {words.counted(graph)}")
+        for number in range(len(graph.sources)):
+            said = words.folded(graph.pretty(number).split(" "))
+            short = said if len(said) <= _LONGEST_SENTENCE else said[: said.rfind(" ", 0, _LONGEST_SENTENCE)] + " …"
+            console.print(f"    {terminal.escape(short)}")
+    for surprise in words.surprises(result):
+        console.print(f"  [cyan]noteworthy:[/cyan] {terminal.escape(surprise)}")
+    for line in result.warnings:
+        console.print(f"  [yellow]doubtful:[/yellow] {terminal.escape(line)}")
     if result.speed.max is not None and result.speed.max_s is not None:
         console.print(f"  fastest at {result.speed.max_s:.2f} s; contrast β = {result.beta:.3g}")

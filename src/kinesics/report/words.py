@@ -1,0 +1,243 @@
+"""What an analysis says, in words: for the page, and for the command line."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+
+from kinesics.analysis import Analysis
+from kinesics.analysis.facts import Overall, Phrase, Source
+from kinesics.grammar.graph import MotionGraph
+
+CLASSES: Final[dict[str, tuple[str, str]]] = {
+    "cyclic-asymmetric": (
+        "cyclic, without symmetry",
+        "It returns again and again; within a cycle nothing is mirrored and nothing is taken back. Limping is so.",
+    ),
+    "cyclic-antiphase": (
+        "cyclic, left and right in turn",
+        "Half a cycle later the mirror image of every pose comes: what left does, right does next. Walking is so.",
+    ),
+    "cyclic-symmetric": (
+        "cyclic, left and right together",
+        "Left and right do the same at once, and no way is taken back. The butterfly stroke is so.",
+    ),
+    "cyclic-palindromic": (
+        "cyclic, to and fro",
+        "Every way is taken back the way it came, and left and right differ. Waving one hand is so.",
+    ),
+    "cyclic-antipalindromic": (
+        "cyclic, taken back as its mirror image",
+        "Played backwards, it is its own mirror image. One arm circling forwards and the other backwards is so.",
+    ),
+    "cyclic-antiphase-palindromic": (
+        "cyclic, to and fro, left and right in turn",
+        "Every way is taken back the way it came, first on one side, then on the other. Jogging in place is so.",
+    ),
+    "cyclic-symmetric-palindromic": (
+        "cyclic, to and fro, left and right together",
+        "Left and right do the same at once, and every way is taken back the way it came. Jumping jacks are so.",
+    ),
+    "asymmetric": ("made once, without symmetry", "Nothing is mirrored and nothing is taken back."),
+    "symmetric": ("made once, left and right together", "Left and right do the same at once."),
+    "palindromic": ("made once, to and fro", "It is taken back the way it came."),
+    "antipalindromic": ("made once, taken back as its mirror image", "Played backwards, it is its own mirror image."),
+    "symmetric-palindromic": (
+        "made once, to and fro, left and right together",
+        "Left and right do the same at once, and it is taken back the way it came.",
+    ),
+    "still": ("still", "No joint moves by more than a body at rest sways."),
+}
+"""Each class in a few words, and in a sentence."""
+
+_LIKE: Final = {
+    "cyclic-asymmetric": "limping",
+    "cyclic-antiphase": "walking",
+    "cyclic-symmetric": "the butterfly stroke",
+    "cyclic-palindromic": "waving one hand",
+    "cyclic-antipalindromic": "one arm circling forwards, the other backwards",
+    "cyclic-antiphase-palindromic": "jogging in place",
+    "cyclic-symmetric-palindromic": "jumping jacks",
+}
+
+RESIDUALS: Final[tuple[tuple[str, str, str], ...]] = (
+    ("period", "the same, a cycle later", "period"),
+    ("mirror", "mirrored, at once", "mirror"),
+    ("glide", "mirrored, half a cycle later", "glide"),
+    ("reverse", "backwards", "reverse"),
+    ("mirror_reverse", "mirrored and backwards", "mirror and reverse"),
+)
+"""Field, in words, and its name in analysis.json."""
+
+_BIAS_DEGREES: Final = 15.0
+"""A constant difference of left and right from which on it is worth a sentence."""
+_LATE: Final = 0.03
+"""Of a cycle: one side later than the other by so much is worth a sentence, if it is so in all cycles alike."""
+_UNEVEN: Final = 0.15
+"""Standard deviation of the length of cycles, over their mean."""
+_LIMBS: Final = {"humerus": "upper arms", "radius": "forearms", "femur": "thighs", "tibia": "lower legs"}
+_AXIAL: Final = {
+    "lowerback": "lower back",
+    "upperback": "upper back",
+    "thorax": "chest",
+    "lowerneck": "neck",
+    "upperneck": "neck",
+    "head": "head",
+}
+_LONGEST_REFRAIN: Final = 24
+
+
+def likelihood(confidence: float) -> str:
+    """A probability in words and figures; nothing is ever 100 % sure."""
+    word = (
+        "surely"
+        if confidence >= 0.95
+        else "very likely"
+        if confidence >= 0.8
+        else "probably"
+        if confidence >= 0.6
+        else "perhaps"
+    )
+    figure = "over 99 %" if confidence > 0.99 else f"{100.0 * confidence:.0f} %"
+    return f"{word} ({figure})"
+
+
+def short_class(judged: Overall | Phrase) -> str:
+    """The class in a few words with its frieze group; "cannot tell" where there is none."""
+    if judged.class_ is None:
+        return "cannot tell"
+    words = CLASSES[judged.class_][0]
+    return f"{words} ({judged.group})" if judged.group else words
+
+
+def verdict(judged: Overall | Phrase) -> str:
+    """What a movement is, in a line: class, period, how many cycles, how sure."""
+    if judged.class_ is None:
+        return "cannot tell" + (f": {judged.reasons[0]}" if judged.reasons else "")
+    parts = [short_class(judged)]
+    if judged.period_s is not None:
+        parts.append(f"{judged.period_s:.2f} s a cycle")
+        if judged.repeats is not None:
+            parts.append(f"{judged.repeats:.1f} cycles")
+    return ", ".join(parts) + (f"; {likelihood(judged.confidence)}" if judged.confidence is not None else "")
+
+
+def headline(analysis: Analysis, source: int) -> str:
+    """What a recording is, in a sentence.
+
+    One movement is told by its class; several by how many phrases there are, for a class of the whole would tell little.
+    """
+    own = [p for p in analysis.phrases if p.source == source]
+    moving = [p for p in own if p.class_ != "still"]
+    judged = analysis.sources[source].overall
+    if len(moving) <= 1 or judged.period_s is not None:
+        said = verdict(judged)
+        like = _LIKE.get(judged.class_ or "")
+        return f"Like {like}: {said}" if like else said[0].upper() + said[1:]
+    kinds = len({p.kind for p in moving})
+    alike = "" if kinds == len(moving) else f" of {kinds} {'kind' if kinds == 1 else 'kinds'}"
+    rests = len(own) - len(moving)
+    still = f" and {rests} {'rest' if rests == 1 else 'rests'}" if rests else ""
+    return f"{len(moving)} phrases{alike}{still}"
+
+
+def phrase_line(analysis: Analysis, number: int) -> str:
+    """A phrase in a line: when, and what."""
+    phrase = analysis.phrases[number]
+    return f"{phrase.start_s:.1f}-{phrase.end_s:.1f} s  {verdict(phrase)}"
+
+
+def counted(graph: MotionGraph) -> str:
+    """How many states and paths a motion graph has, and how many of them are symmetric or reversible."""
+    states, paths = len(graph.states), len(graph.paths)
+    symmetric = sum(s.symmetric for s in graph.states)
+    reversible = sum(p.reversible for p in graph.paths)
+    said = f"{states} {'state' if states == 1 else 'states'}" + (f" ({symmetric} symmetric)" if symmetric else "")
+    said += f", {paths} {'path' if paths == 1 else 'paths'}"
+    return said + (f" ({reversible} both ways)" if reversible else "")
+
+
+def folded(words: Sequence[str]) -> str:
+    """A sentence of the motion graph with its refrains folded: ``3 × (A ab₁→ B ←ab₁) A``.
+
+    Whether a state is held (…) is told where it is so in every repetition.
+    """
+    plain = [w.rstrip("…") for w in words]
+    out: list[str] = []
+    at = 0
+    while at < len(words):
+        best, times = 0, 1
+        for length in range(1, min(_LONGEST_REFRAIN, (len(words) - at) // 2) + 1):
+            count = 1
+            while plain[at + count * length : at + (count + 1) * length] == plain[at : at + length]:
+                count += 1
+            if (count - 1) * length > (times - 1) * best:
+                best, times = length, count
+        if (times - 1) * best < 3:
+            out.append(words[at])
+            at += 1
+            continue
+        refrain = []
+        for k in range(at, at + best):
+            held = all(words[k + n * best].endswith("…") for n in range(times))
+            refrain.append(plain[k] + "…" * held)
+        out.append(f"{times} × ({' '.join(refrain)})")
+        at += times * best
+    return " ".join(out)
+
+
+def surprises(analysis: Analysis) -> list[str]:
+    """What one would not expect: constant differences of the sides, one side late, uneven cycles, strikes."""
+    out: list[str] = []
+    for number, source in enumerate(analysis.sources):
+        of = f"{source.name}: " if len(analysis.sources) > 1 else ""
+        out.extend(of + s for s in [*_bias(source), *_uneven(analysis, number), *_strikes(analysis, number)])
+    parts = analysis.graph.components()
+    if len(parts) > 1:
+        out.append(f"the motion graph falls into {len(parts)} parts that no path joins")
+    return out
+
+
+def _bias(source: Source) -> list[str]:
+    largest = source.overall.bias_largest_degrees
+    if largest is None or largest < _BIAS_DEGREES:
+        return []
+    link = next((k for k, v in source.overall.bias_degrees.items() if v == largest), "")
+    aside = "set aside before the symmetry was judged"
+    if link in _LIMBS:
+        return [f"left and right differ all the time, most in the {_LIMBS[link]} ({largest:.0f}°): {aside}"]
+    return [
+        f"leaning or turned to one side all the time, most in the {_AXIAL.get(link, link)} ({largest:.0f}°): {aside}"
+    ]
+
+
+def _uneven(analysis: Analysis, source: int) -> list[str]:
+    out = []
+    for number, phrase in enumerate(analysis.phrases):
+        if phrase.source != source:
+            continue
+        own = [c for c in analysis.cycles if c.phrase == number]
+        if len(own) < 3:
+            continue
+        when = f"{phrase.start_s:.1f}-{phrase.end_s:.1f} s: "
+        periods = np.array([c.period_s for c in own])
+        deviation = float(periods.std(ddof=1) / periods.mean())
+        if deviation > _UNEVEN:
+            out.append(f"{when}cycles of uneven length ({deviation:.0%} more or less)")
+        phases = np.array([c.phase for c in own if c.phase is not None])
+        if len(phases) >= 3:
+            mean, error = float(phases.mean()), float(phases.std(ddof=1) / np.sqrt(len(phases)))
+            if abs(mean) > _LATE and abs(mean) > 3.0 * error:
+                late = "right" if mean > 0.0 else "left"
+                out.append(f"{when}the {late} side comes late by {abs(mean):.0%} of a cycle")
+    return out
+
+
+def _strikes(analysis: Analysis, source: int) -> list[str]:
+    own = [s for s in analysis.strikes if s.source == source]
+    if not own:
+        return []
+    times = ", ".join(f"{s.time_s:.1f}" for s in own[:8]) + (" …" if len(own) > 8 else "")
+    return [f"{len(own)} {'strike' if len(own) == 1 else 'strikes'}, movement that stops at once: at {times} s"]
