@@ -21,6 +21,7 @@ from kinesics.body.motion import Motion
 from kinesics.body.pose import PoseSequence, poses
 from kinesics.errors import InputError
 from kinesics.grammar import moments as _moments
+from kinesics.grammar.edits import Edits
 from kinesics.grammar.graph import MotionGraph
 from kinesics.grammar.whole import Grammar, read_grammar
 from kinesics.progress import Progress, silent
@@ -90,6 +91,7 @@ def analyze(
     beta: float | None = None,
     weights: Weights | None = None,
     mapping: Mapping[str, object] | None = None,
+    edits: Edits | None = None,
     progress: Progress | None = None,
 ) -> Analysis:
     """What a recording is, or several recordings that belong together.
@@ -101,6 +103,7 @@ def analyze(
         depends on it, only the pictures.
     weights : of the 15 links in D, left and right equal (see `kinesics.similarity.distance`); equal without.
     mapping : joint names by the user (see `kinesics.body.anatomy.resolve`).
+    edits : names, merges and splits of phrases, states and paths (see `kinesics.grammar.edits`).
     progress : called with a fraction now and then; may raise to stop.
 
     Raises
@@ -108,7 +111,8 @@ def analyze(
     SkeletonError
         If a skeleton cannot be understood as a human body.
     InputError
-        If there is no motion, β is not above 0, or the weights are not 15 numbers that suit D*.
+        If there is no motion, β is not above 0, the weights are not 15 numbers that suit D*, or the edits speak of what is not
+        there.
     """
     from kinesics import __version__
 
@@ -139,6 +143,8 @@ def analyze(
                 sequence,
                 name=_name(each),
                 weights=link_weights,
+                edits=edits,
+                source=number,
                 progress=_part(report, 0.45 + 0.5 * number / len(motions), 0.45 + 0.5 * (number + 1) / len(motions)),
             )
         )
@@ -159,6 +165,7 @@ def analyze(
         remarks.append(
             "The motion graph of several recordings together is not read yet: analyse each alone for its graph."
         )
+    graph = (grammars[0].graph if len(grammars) == 1 else None) or MotionGraph()
     parameters = {
         "beta_rule": BETA_RULE if beta is None else "given by the caller",
         "weights": [float(w) for w in link_weights],
@@ -186,7 +193,7 @@ def analyze(
         overall=judgement.of_several(sources),
         phrases=tuple(p for each in phrases for p in each),
         cycles=tuple(c for g, first in zip(grammars, firsts, strict=False) for c in judgement.cycles(g, int(first))),
-        graph=(grammars[0].graph if len(grammars) == 1 else None) or MotionGraph(),
+        graph=graph if edits is None else edits.apply(graph),
         stillness=_ranges(still),
         symmetric_states=_ranges(symmetric),
         gaps=tuple(gap for k, q in enumerate(doubts) for gap in _gaps(k, q)),

@@ -98,6 +98,8 @@ class Phrase:
     bias_largest_degrees: float | None = None
     """The largest constant difference of left and right that was set aside before judging."""
     reasons: tuple[str, ...] = ()
+    name: str | None = None
+    """Given by a person in a side file of edits."""
 
 
 @dataclass(frozen=True)

@@ -51,6 +51,7 @@ def phrases(source: int, grammar: Grammar, speed: Array, fps: float) -> tuple[fa
             **({} if phrase.verdict is None else _judged(phrase.verdict)),
             speed_mean=float(speed[phrase.start : phrase.end].mean()),
             kind=phrase.kind,
+            name=phrase.name,
         )
         for phrase in grammar.phrases
     )

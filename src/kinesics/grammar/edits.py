@@ -36,6 +36,7 @@ from kinesics.grammar import notation
 from kinesics.grammar.graph import MotionGraph, Occurrence, Path, State, Stay, label_paths
 
 T = TypeVar("T")
+P = TypeVar("P", "PhraseName", "PhraseMerge", "PhraseSplit")
 
 _NAME: Final = re.compile(r"[^\W_]+")
 _PATH_NAME: Final = re.compile(r"[^\W_]+(?:-[^\W_]+)?")
@@ -108,6 +109,19 @@ class Edits:
     phrase_names: tuple[PhraseName, ...] = ()
     phrase_merges: tuple[PhraseMerge, ...] = ()
     phrase_splits: tuple[PhraseSplit, ...] = ()
+
+    def of_source(self, source: int) -> Edits:
+        """Without the edits of phrases of other recordings."""
+
+        def mine(entries: tuple[P, ...]) -> tuple[P, ...]:
+            return tuple(e for e in entries if e.source == source)
+
+        return dataclasses.replace(
+            self,
+            phrase_names=mine(self.phrase_names),
+            phrase_merges=mine(self.phrase_merges),
+            phrase_splits=mine(self.phrase_splits),
+        )
 
     def apply(self, graph: MotionGraph) -> MotionGraph:
         """The graph with states and paths split, merged and named.

@@ -6,6 +6,7 @@ they are; why it is empty stands in `Grammar.remarks`.
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -16,6 +17,7 @@ from kinesics.errors import Cancelled
 from kinesics.grammar import assembly, classes, cyclic, moments, phrases, reading
 from kinesics.grammar.classes import Verdict
 from kinesics.grammar.cyclic import Cyclic
+from kinesics.grammar.edits import Edits, Phrase
 from kinesics.grammar.graph import MotionGraph
 from kinesics.grammar.moments import Moments
 from kinesics.progress import Progress, silent
@@ -39,6 +41,8 @@ class JudgedPhrase:
     """The same number for phrases of the same kind of movement, in order of appearance."""
     verdict: Verdict | None
     """None where the phrase could not be judged at all."""
+    name: str | None = None
+    """Given by a person (`kinesics.grammar.edits`)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +64,8 @@ def read_grammar(
     *,
     name: str = "",
     weights: Weights | None = None,
+    edits: Edits | None = None,
+    source: int = 0,
     progress: Progress | None = None,
 ) -> Grammar:
     """The grammar of one recording.
@@ -68,12 +74,15 @@ def read_grammar(
     ----------
     name : of the recording, for the graph.
     weights : of the 15 links in D (see `kinesics.similarity.distance`).
+    edits : what a person knows better of the phrases; done when all is read, so that the labels of the graph do not depend on it.
+        The graph is left as it is: `Edits.apply` changes it.
+    source : the number of the recording in the edits.
     progress : called with a fraction now and then; may raise to stop.
 
     Raises
     ------
     InputError
-        If the weights cannot be used.
+        If the weights cannot be used, or the edits speak of phrases that are not there.
     """
     report = progress or silent
     report(0.0, "moments")
@@ -114,15 +123,29 @@ def read_grammar(
         return assembly.assemble(reading.read(read, _cyclic(read, overall, judged), later), read, name)
 
     graph = attempt("The motion graph", read_graph)
+    if edits is not None:
+        judged = _edited_phrases(read, judged, edits, source)
     report(1.0, "grammar read")
     return Grammar(read, overall, tuple(judged), graph, tuple(remarks))
 
 
+def cyclic_stretches(read: Moments) -> list[Cyclic]:
+    """Judge a recording and its phrases, and give the stretches whose states follow from their class."""
+    overall = classes.classify(read)
+    judged = [
+        JudgedPhrase(read.frame_of(p.start), read.frame_of(p.end), p.kind, classes.classify(read, p.start, p.end))
+        for p in phrases.find_phrases(read)
+    ]
+    return _cyclic(read, overall, judged)
+
+
 def _cyclic(read: Moments, overall: Verdict | None, judged: Sequence[JudgedPhrase]) -> list[Cyclic]:
     """Stretches whose states follow from their class: the whole where it is one cyclic movement, else cyclic phrases."""
-    candidates = [(0, read.count, overall)]
-    if overall is None or not overall.cycles:
-        candidates = [(read.moment_of(p.start), read.moment_of(p.end), p.verdict) for p in judged]
+    whole = _structures(read, [(0, read.count, overall)])
+    return whole or _structures(read, [(read.moment_of(p.start), read.moment_of(p.end), p.verdict) for p in judged])
+
+
+def _structures(read: Moments, candidates: Sequence[tuple[int, int, Verdict | None]]) -> list[Cyclic]:
     out: list[Cyclic] = []
     for start, end, verdict in candidates:
         if verdict is None or verdict.class_ is None or not verdict.cycles:
@@ -131,4 +154,19 @@ def _cyclic(read: Moments, overall: Verdict | None, judged: Sequence[JudgedPhras
         found = cyclic.structure(read, start, end, verdict.class_, cuts)
         if found is not None:
             out.append(found)
+    return out
+
+
+def _edited_phrases(read: Moments, judged: Sequence[JudgedPhrase], edits: Edits, source: int) -> list[JudgedPhrase]:
+    """Phrases split, merged and named; what was not judged yet, because a person made it, is judged now."""
+    known = {(p.start, p.end): p for p in judged}
+    out = []
+    for phrase in edits.of_source(source).apply_to_phrases(Phrase(source, p.start, p.end) for p in judged):
+        same = known.get((phrase.start, phrase.end))
+        if same is None:
+            kind = next(p.kind for p in judged if p.start <= phrase.start < p.end)
+            start, end = read.moment_of(phrase.start), read.moment_of(phrase.end)
+            verdict = classes.classify(read, start, end) if end - start >= LEAST_MOMENTS else None
+            same = JudgedPhrase(phrase.start, phrase.end, kind, verdict)
+        out.append(dataclasses.replace(same, name=phrase.name))
     return out

@@ -19,7 +19,7 @@ def phrases(analysis: Analysis) -> str:
     """One row a phrase."""
     header = (
         "source start end start_s end_s class group period_s confidence runner_up "
-        "residual_period residual_mirror residual_glide residual_reverse residual_mirror_reverse speed_mean smoothness"
+        "residual_period residual_mirror residual_glide residual_reverse residual_mirror_reverse speed_mean smoothness name"
     )
     return _csv(
         header.split(),
@@ -42,6 +42,7 @@ def phrases(analysis: Analysis) -> str:
                 p.residuals.mirror_reverse,
                 p.speed_mean,
                 p.smoothness,
+                p.name,
             )
             for p in analysis.phrases
         ),
