@@ -221,6 +221,26 @@ def test_fps_is_taken(kinesics: Kinesics, walk: Path) -> None:
     assert kinesics("analyze", walk, "--fps", "60", "--json").json()["sources"][0]["fps"] == 60
 
 
+def test_a_side_file_is_honoured(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
+    """Beside the recording or named; that it was found is said, and a wrong one is a message that names it."""
+    here = tmp_path / "mine.bvh"
+    here.write_bytes(walk.read_bytes())
+    side = tmp_path / "mine.bvh.edits.toml"
+    side.write_text("phrases.rename = [ { frame = 5, name = 'a stroll' } ]", encoding="utf-8")
+    found = kinesics("analyze", here, "--json")
+    assert found.json()["phrases"][0]["name"] == "a stroll"
+    assert "mine.bvh.edits.toml" in found.err
+    other = tmp_path / "other.toml"
+    other.write_text("phrases.rename = [ { frame = 5, name = 'a march' } ]", encoding="utf-8")
+    assert kinesics("analyze", here, "--json", "--edits", other).json()["phrases"][0]["name"] == "a march"
+    other.write_text("phrase = 3", encoding="utf-8")
+    wrong = kinesics("analyze", here, "--edits", other)
+    assert wrong.code == 2
+    assert "other.toml" in wrong.err
+    assert "Unknown key 'phrase'" in wrong.err
+    assert kinesics("analyze", here, "--edits", tmp_path / "none.toml").code == 2
+
+
 def test_several_files_are_one_analysis(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
     """Each file becomes a source."""
     kx.write(kx.read(walk)[10:40], tmp_path / "part.bvh")

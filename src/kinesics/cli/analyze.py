@@ -12,6 +12,7 @@ from kinesics.cli.recording import Reading
 
 if TYPE_CHECKING:
     from kinesics.analysis import Analysis
+    from kinesics.grammar.edits import Edits
 
 _MOST_PHRASES = 40
 _LONGEST_SENTENCE = 1200
@@ -22,6 +23,7 @@ EXAMPLES = (
     ("kinesics analyze 07_01.amc --out report", "07.asf lies beside it"),
     ("kinesics analyze left.bvh right.bvh", "together: one report"),
     ("kinesics analyze walk.bvh --json", "the result alone, for programs"),
+    ("kinesics analyze a.bvh --edits a.toml", "with your names and merges"),
 )
 
 
@@ -42,6 +44,15 @@ def analyze(
         float | None,
         typer.Option("--beta", metavar="B", show_default=False, help="Contrast of Z = exp(-B·D); found unless given."),
     ] = None,
+    edits: Annotated[
+        Path | None,
+        typer.Option(
+            "--edits",
+            metavar="TOML",
+            show_default=False,
+            help="Names, merges and splits of states, paths and phrases; FILE.edits.toml where that is there.",
+        ),
+    ] = None,
     overwrite: recording.Overwrite = False,
     json: recording.Json = False,
     skeleton: recording.Skeleton = None,
@@ -53,18 +64,22 @@ def analyze(
     """Compare all moments of a recording with all others and their mirror images; leave a report.
 
     The report is a folder: report.html to look at, analysis.json for programs, pictures and tables.
-    With --json and without --out nothing is written.
+    With --json and without --out nothing is written. What you know better (names of states, paths and phrases, what is one
+    and what is two) stands in a side file, FILE.edits.toml, and is done again at every analysis.
     """
     from kinesics import analysis, report
 
     reading = Reading(skeleton, map_, unit, up, fps)
+    known_better = _edits(edits or _beside(files[0]))
     folder = out or (None if json else Path(f"{files[0].name}-kinesics"))
     with terminal.Bar("Analysing") as bar:
         motions = []
         for number, file in enumerate(files):
             bar(0.2 * number / len(files), f"reading {file.name}")
             motions.append(reading.read(file))
-        result = analysis.analyze(motions, beta=beta, mapping=reading.mapping(), progress=bar.part(0.2, 0.4))
+        result = analysis.analyze(
+            motions, beta=beta, mapping=reading.mapping(), edits=known_better, progress=bar.part(0.2, 0.4)
+        )
         if folder is not None:
             report.save(result, folder, overwrite=overwrite, progress=bar.part(0.4, 1.0))
     if json:
@@ -74,6 +89,32 @@ def analyze(
     if folder is not None:
         said = f"Report: {folder / 'report.html'}"
         (terminal.remark if json else print)(said)
+
+
+def _beside(file: Path) -> Path | None:
+    """The side file of a recording, where it is there; that it is honoured is said."""
+    side = file.with_name(f"{file.name}.edits.toml")
+    if not side.is_file():
+        return None
+    terminal.remark(f"Edits: {side.name}")
+    return side
+
+
+def _edits(file: Path | None) -> Edits | None:
+    from kinesics import formats
+    from kinesics.errors import FileError, InputError
+    from kinesics.grammar import edits
+
+    if file is None:
+        return None
+    try:
+        return edits.parse(formats.load(file).decode("utf-8-sig"))
+    except UnicodeDecodeError:
+        raise FileError(file, "is not UTF-8 text.") from None
+    except FileError:
+        raise
+    except InputError as error:
+        raise FileError(file, str(error)) from None
 
 
 def summarize(result: Analysis) -> None:
