@@ -10,8 +10,12 @@ from html import escape
 from typing import Final
 
 from kinesics.analysis import Analysis
-from kinesics.analysis.facts import Range, Source
+from kinesics.analysis.facts import Overall, Range, Source
+from kinesics.grammar.graph import MotionGraph
+from kinesics.grammar.information import Information
+from kinesics.grammar.notation import pretty_label
 from kinesics.plotting.similarity_plots import colour_key
+from kinesics.report import words
 from kinesics.report.pictures import Pictures
 
 _MOST_ROWS: Final = 200
@@ -39,6 +43,8 @@ th { color: #555; font-weight: 600; }
 td.number, th.number { text-align: right; }
 ul { padding-left: 1.2rem; }
 li.warning { color: #8a3b00; }
+h3 { font-size: 1rem; margin: 1.4rem 0 .4rem; }
+p.small { color: #555; font-size: .9rem; }
 p.sentence { overflow-wrap: anywhere; line-height: 1.9; }
 pre { font-size: .8rem; overflow-x: auto; background: #f6f6f4; padding: .8rem; }
 footer { margin-top: 3rem; color: #777; font-size: .85rem; }
@@ -52,9 +58,11 @@ def report_page(analysis: Analysis, pictures: Pictures, *, palette: str = "thesi
     title = names[0] if len(names) == 1 else f"{names[0]} and {len(names) - 1} more"
     body = [
         f"<h1>{escape(title)}</h1>",
-        '<p class="lead">What kinesics found in this recording.</p>',
+        *(_headline(analysis, k) for k in range(len(names))),
         _numbers(analysis),
         _warnings(analysis),
+        *_what_it_is(analysis),
+        *_phrases(analysis, pictures),
         "<h2>All pairs of moments</h2>",
         _picture(
             pictures.triangle,
@@ -63,6 +71,7 @@ def report_page(analysis: Analysis, pictures: Pictures, *, palette: str = "thesi
         ),
         _picture(pictures.square, "Z/Z*: each pixel compares two moments of the recording."),
         *_motion_graph(analysis, pictures),
+        *_cycles(analysis),
         "<h2>Speed and symmetry</h2>",
         *(
             _drawing(svg, f"curve{k}", f"Speed and symmetry over time{'' if len(names) == 1 else ': ' + names[k]}.")
@@ -115,6 +124,126 @@ def _numbers(analysis: Analysis) -> str:
     return f'<dl class="numbers">{cells}</dl>'
 
 
+def _headline(analysis: Analysis, source: int) -> str:
+    name = f"{analysis.sources[source].name}: " if len(analysis.sources) > 1 else ""
+    return f'<p class="lead">{escape(name + words.headline(analysis, source))}.</p>'
+
+
+def _what_it_is(analysis: Analysis) -> list[str]:
+    """The class of each recording as a whole, the evidence for it, and what surprises."""
+    parts = ["<h2>What it is</h2>"]
+    several = len(analysis.sources) > 1
+    for source in analysis.sources:
+        judged = source.overall
+        if several:
+            parts.append(f"<h3>{escape(source.name)}</h3>")
+        if judged.confidence is None:
+            parts.append("<p>Too short to tell.</p>")
+            continue
+        said = f"As one path: {words.verdict(judged)}."
+        if judged.class_ is not None:
+            said += f" {words.CLASSES[judged.class_][1]}"
+        if judged.runner_up is not None:
+            said += f" Second likeliest: {words.CLASSES[judged.runner_up][0]}."
+        parts.append(f"<p>{escape(said)}</p>")
+        parts.extend(f"<p>{escape(reason[0].upper() + reason[1:])}.</p>" for reason in judged.reasons)
+        parts.append(_residuals(judged))
+    noteworthy = "".join(f"<li>{escape(s[0].upper() + s[1:])}.</li>" for s in words.surprises(analysis))
+    if noteworthy:
+        parts.append(f"<h3>Noteworthy</h3><ul>{noteworthy}</ul>")
+    return parts
+
+
+def _residuals(judged: Overall) -> str:
+    """How far the movement is from each symmetry."""
+    known = [(said, getattr(judged.residuals, field)) for field, said in words.RESIDUALS]
+    rows = [[said, f"{value:.2f}"] for said, value in known if value is not None]
+    if not rows:
+        return ""
+    return (
+        _table(["compared with itself", "what is left over"], rows)
+        + '<p class="small">0: it is the same. 1: it is as different as any two moments of the movement are.</p>'
+    )
+
+
+def _phrases(analysis: Analysis, pictures: Pictures) -> list[str]:
+    """Nothing where there are none: a recording of a few frames."""
+    if not analysis.phrases:
+        return []
+    several = len(analysis.sources) > 1
+    smooth = any(p.smoothness is not None for p in analysis.phrases)
+    header = [
+        *(["source"] if several else []),
+        "from (s)",
+        "to (s)",
+        "kind",
+        "what it is",
+        "cycle (s)",
+        "cycles",
+        "how sure",
+        "speed (1/s)",
+        *(["smoothness"] if smooth else []),
+    ]
+    rows = [
+        [
+            *([analysis.sources[p.source].name] if several else []),
+            f"{p.start_s:.2f}",
+            f"{p.end_s:.2f}",
+            "" if p.kind is None else str(p.kind + 1),
+            words.short_class(p),
+            _number(p.period_s),
+            _number(p.repeats, places=1),
+            "–" if p.class_ is None or p.confidence is None else words.likelihood(p.confidence),
+            _number(p.speed_mean),
+            *([_number(p.smoothness)] if smooth else []),
+        ]
+        for p in analysis.phrases[:_MOST_ROWS]
+    ]
+    return [
+        "<h2>Phrases</h2>",
+        *(
+            _drawing(svg, f"phrases{k}", "The phrases over time, coloured by kind of movement.")
+            for k, svg in enumerate(pictures.phrases)
+        ),
+        "<p>A phrase is a stretch of one kind of movement: what recurs in it does not recur across its borders. Phrases of one "
+        "kind have one number and one colour.</p>",
+        _table(header, rows),
+        _more(len(analysis.phrases), "phrases.csv"),
+    ]
+
+
+def _cycles(analysis: Analysis) -> list[str]:
+    """Nothing where nothing is cyclic."""
+    if not analysis.cycles:
+        return []
+    rows = []
+    for cycle in analysis.cycles[:_MOST_ROWS]:
+        phrase = analysis.phrases[cycle.phrase]
+        fps = analysis.sources[phrase.source].fps
+        rows.append(
+            [
+                str(cycle.phrase + 1),
+                f"{cycle.start / fps:.2f}",
+                f"{cycle.end / fps:.2f}",
+                f"{cycle.period_s:.2f}",
+                "–" if cycle.phase is None else f"{100.0 * cycle.phase:+.1f} %",
+                _number(cycle.mirror_residual),
+            ]
+        )
+    return [
+        "<h2>Cycles</h2>",
+        _table(["phrase", "from (s)", "to (s)", "lasts (s)", "right after left", "left unlike right"], rows),
+        '<p class="small">Right after left: by how much of the cycle the right side comes later than the left one, less the '
+        "half by which alternating sides are apart anyway. Left unlike right: what the mirror image leaves over at that "
+        "phase; 0 is an even movement.</p>",
+        _more(len(analysis.cycles), "cycles.csv"),
+    ]
+
+
+def _more(count: int, file: str) -> str:
+    return f"<p>And {count - _MOST_ROWS} more, in {file}.</p>" if count > _MOST_ROWS else ""
+
+
 def _warnings(analysis: Analysis) -> str:
     items = "".join(f'<li class="warning">{escape(w)}</li>' for w in analysis.warnings)
     return f"<h2>Doubtful</h2><ul>{items}</ul>" if items else ""
@@ -132,14 +261,56 @@ def _motion_graph(analysis: Analysis, pictures: Pictures) -> list[str]:
         "to another, with two heads where it is done in both directions. Symmetric poses, under a bar, stand on the middle "
         "line; a pose and its mirror image (starred) face each other across it.</p>",
     ]
+    parts.append(f"<p>{escape(words.counted(graph))}. {escape(_shape(graph))}</p>")
     for number, source in enumerate(graph.sources):
-        words = graph.pretty(number).split(" ")
-        said = " ".join(words[:_MOST_WORDS]) + (" …" if len(words) > _MOST_WORDS else "")
+        said = words.folded(graph.pretty(number).split(" ")).split(" ")
+        short = " ".join(said[:_MOST_WORDS]) + (" …" if len(said) > _MOST_WORDS else "")
         name = f"{escape(source.name)}: " if len(graph.sources) > 1 else ""
-        parts.append(f'<p class="sentence">{name}{escape(said)}</p>')
+        parts.append(f'<p class="sentence">{name}{escape(short)}</p>')
+    parts.append(
+        '<p class="small">So it reads: states, and the paths between them; ← before a path that is done backwards, … after '
+        "a pose that is held, n × (…) for what comes n times.</p>"
+    )
     if pictures.strips is not None:
         parts.append(_drawing(pictures.strips, "strips", "Paths as strips of poses that lighten as the path evolves."))
+    parts.append(_information(graph.information()))
     return parts
+
+
+def _shape(graph: MotionGraph) -> str:
+    """Whether one can go on for ever."""
+    ends = [pretty_label(graph.state(s).label) for s in graph.dead_ends()]
+    if ends and len(graph.states) > 1:
+        return f"No path leads on from {', '.join(ends)}."
+    if len(graph.strongly_connected()) == 1:
+        return "From every state one can go on to every other."
+    return ""
+
+
+def _information(known: Information) -> str:
+    """Shannon's measures of the graph as a source of paths."""
+    measures = [
+        ("a path tells", known.order0_bits, "bits"),
+        ("a path tells, when the one before it is known", known.order1_bits, "bits"),
+        ("that is, a second of recording", known.bits_per_s, "bits/s"),
+        ("vocabulary, with paths not seen yet", known.vocabulary, "paths"),
+        ("time on symmetric paths", known.symmetric_share, "%"),
+        ("time on paths done both ways", known.reversible_share, "%"),
+        ("time on paths done mirrored, too", known.mirrored_share, "%"),
+    ]
+    rows = []
+    for name, estimate, unit in measures:
+        if estimate is not None:
+            factor, places = (100.0, 0) if unit == "%" else (1.0, 2)
+            value, error = factor * estimate.value, factor * estimate.standard_error
+            rows.append([name, f"{value:.{places}f} ± {error:.{places}f} {unit}"])
+    if not rows:
+        return ""
+    said = (
+        f"The graph as a source of {known.words} {'word' if known.words == 1 else 'words'}, each one path, after Shannon; "
+        "with standard errors, which are wide for short recordings. A movement that does the same over and over tells nothing."
+    )
+    return f'<h3>How much it tells</h3>{_table(["", ""], rows)}<p class="small">{escape(said)}</p>'
 
 
 def _how_to_read(analysis: Analysis, palette: str) -> str:
@@ -225,5 +396,5 @@ def _table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     return f"<table><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>"
 
 
-def _number(value: float | None, unit: str) -> str:
-    return "–" if value is None else f"{value:.2f}{unit}"
+def _number(value: float | None, unit: str = "", *, places: int = 2) -> str:
+    return "–" if value is None else f"{value:.{places}f}{unit}"

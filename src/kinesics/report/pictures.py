@@ -36,6 +36,19 @@ _DPI: Final = 150
 _MOST_FIGURES: Final = 40
 """States that are drawn with a figure each."""
 _MOST_STRIPS: Final = 12
+_KINDS: Final = (
+    "#9ecae1",
+    "#fdd0a2",
+    "#c7e9c0",
+    "#dadaeb",
+    "#f4b6c2",
+    "#d9c7a8",
+    "#b5e0d8",
+    "#e8e39a",
+    "#c5cfe8",
+    "#e3c4e0",
+)
+"""Of phrases; light enough for black letters."""
 _PIXELS: Final = 1200
 """Width of the axes of both similarity pictures: one pixel of the pooled matrices is one pixel of the picture."""
 
@@ -53,6 +66,8 @@ class Pictures(NamedTuple):
     """SVG, the path of the body in the symmetry basis."""
     strips: bytes | None
     """SVG, the most frequent paths of the graph as strips of poses; None where there are none."""
+    phrases: tuple[bytes, ...]
+    """SVG, the phrases over time, one for each source that has some."""
     curves: tuple[bytes, ...]
     """SVG, speed and symmetry over time, one for each source."""
 
@@ -107,9 +122,14 @@ def draw(analysis: Analysis, *, palette: str = "thesis", progress: Progress | No
 
     report(0.8, "the curves")
     curves = tuple(figure_bytes(_curves(analysis, k), ".svg") for k in range(len(analysis.sources)))
+    phrases = tuple(
+        figure_bytes(_phrases(analysis, k), ".svg")
+        for k in range(len(analysis.sources))
+        if any(p.source == k for p in analysis.phrases)
+    )
     report(0.9, "writing the pictures")
     square_file, triangle_file = figure_bytes(square, ".png"), figure_bytes(triangle, ".png")
-    result = Pictures(square_file, triangle_file, graph_file, path_file, strips, curves)
+    result = Pictures(square_file, triangle_file, graph_file, path_file, strips, phrases, curves)
     report(1.0, "pictures drawn")
     return result
 
@@ -180,6 +200,35 @@ def _borders(ax: Axes, borders: list[float], length: float, *, triangle: bool) -
         else:
             ax.axvline(t, color="white", linewidth=0.8)
             ax.axhline(t, color="white", linewidth=0.8)
+
+
+def _phrases(analysis: Analysis, source: int) -> Figure:
+    """The phrases over time, coloured by kind; a mark where each cycle begins."""
+    figure = new_figure(9.6, 0.95, dpi=100)
+    ax = figure.add_axes((0.085, 0.44, 0.9, 0.5))
+    for number, phrase in enumerate(analysis.phrases):
+        if phrase.source != source:
+            continue
+        still = phrase.class_ == "still"
+        colour = "#e6e6e6" if still else _KINDS[(phrase.kind or 0) % len(_KINDS)]
+        ax.axvspan(phrase.start_s, phrase.end_s, color=colour, linewidth=0)
+        ax.axvline(phrase.end_s, color="white", linewidth=1.2)
+        fps = analysis.sources[source].fps
+        begins = [c.start / fps for c in analysis.cycles if c.phrase == number]
+        ax.vlines(begins, 0.0, 0.28, color=INK, linewidth=0.7)
+        said = "rest" if still else phrase.group or str((phrase.kind or 0) + 1)
+        # some 5 pixels a letter
+        if (phrase.end_s - phrase.start_s) / analysis.sources[source].duration_s * 860 > 7 * len(said):
+            middle = 0.5 * (phrase.start_s + phrase.end_s)
+            ax.text(middle, 0.62, said, ha="center", va="center", fontsize=8, color=INK)
+    ax.set_xlim(0.0, analysis.sources[source].duration_s)
+    ax.set_ylim(0.0, 1.0)
+    ax.set_yticks([])
+    ax.set_xlabel("time (s)", fontsize=8)
+    ax.tick_params(labelsize=8)
+    for side in ("left", "right", "top"):
+        ax.spines[side].set_visible(False)
+    return figure
 
 
 def _curves(analysis: Analysis, source: int) -> Figure:

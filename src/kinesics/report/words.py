@@ -62,14 +62,14 @@ _LIKE: Final = {
     "cyclic-symmetric-palindromic": "jumping jacks",
 }
 
-RESIDUALS: Final[tuple[tuple[str, str, str], ...]] = (
-    ("period", "the same, a cycle later", "period"),
-    ("mirror", "mirrored, at once", "mirror"),
-    ("glide", "mirrored, half a cycle later", "glide"),
-    ("reverse", "backwards", "reverse"),
-    ("mirror_reverse", "mirrored and backwards", "mirror and reverse"),
+RESIDUALS: Final[tuple[tuple[str, str], ...]] = (
+    ("period", "a cycle later"),
+    ("mirror", "its mirror image, at once"),
+    ("glide", "its mirror image, half a cycle later"),
+    ("reverse", "played backwards"),
+    ("mirror_reverse", "its mirror image, played backwards"),
 )
-"""Field, in words, and its name in analysis.json."""
+"""Field of the residuals, and in words."""
 
 _BIAS_DEGREES: Final = 15.0
 """A constant difference of left and right from which on it is worth a sentence."""
