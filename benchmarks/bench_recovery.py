@@ -18,7 +18,7 @@ import time
 from pathlib import Path
 
 import kinesics as kx
-from kinesics.grammar import assembly, moments, reading
+from kinesics.grammar import whole
 from kinesics.performer.random_graphs import covering_steps, random_graph
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
@@ -33,8 +33,9 @@ def one(seed: int, noise: float, jitter: float, distance: bool) -> dict[str, obj
     )
     poses = kx.poses(done.motion)
     started = time.process_time()
-    m = moments.from_poses(poses)
-    read = assembly.assemble(reading.read(m), m, "recording").contracted()
+    graph_read = whole.read_grammar(poses).graph
+    assert graph_read is not None
+    read = graph_read.contracted()
     seconds = time.process_time() - started
     truth = performed(done.truth).contracted()
     same = bool(read.isomorphic_to(truth))

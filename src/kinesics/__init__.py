@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from kinesics import performer as performer
     from kinesics.analysis import Analysis as Analysis
     from kinesics.analysis import analyze as analyze
+    from kinesics.analysis.joint import graph as graph
     from kinesics.body.mirroring import mirror as mirror
     from kinesics.body.motion import Motion as Motion
     from kinesics.body.motion import reverse as reverse
@@ -48,6 +49,7 @@ _HOME = {
     "Skeleton": "kinesics.body.skeleton",
     "analyze": "kinesics.analysis",
     "distance": "kinesics.similarity",
+    "graph": "kinesics.analysis.joint",
     "load": "kinesics.report",
     "mirror": "kinesics.body.mirroring",
     "mirror_distance": "kinesics.similarity",

@@ -2,12 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 from kinesics.grammar import reading as _reading
 from kinesics.grammar.graph import MotionGraph, Occurrence, Path, Source, State, Stay, build
 from kinesics.grammar.moments import Moments
-from kinesics.grammar.reading import Reading
+from kinesics.grammar.reading import Reading, Traversal
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """One of the recordings that were read together."""
+
+    source: Source
+    first: int
+    """Its first moment among all."""
+    moments: Moments
+    """Its own moments."""
+
+    def frame_of(self, moment: int) -> int:
+        """Source frame of a moment counted among all recordings."""
+        return self.moments.frame_of(moment - self.first)
 
 
 def assemble(read: Reading, moments: Moments, name: str = "") -> MotionGraph:
@@ -17,9 +33,20 @@ def assemble(read: Reading, moments: Moments, name: str = "") -> MotionGraph:
     the pose is held is a stay; the other frames belong to the paths, which begin and end at the moment nearest to the state.
     """
     source = Source(name, moments.source_frames, moments.source_fps)
+    return assemble_many(read, moments, [Recorded(source, 0, moments)])
+
+
+def assemble_many(read: Reading, moments: Moments, recordings: Sequence[Recorded]) -> MotionGraph:
+    """The graph of several recordings read together (`reading.read` with breaks).
+
+    Parameters
+    ----------
+    moments : of all recordings, one after the other.
+    """
+    sources = tuple(r.source for r in recordings)
     if len(read.visits) == 0:
-        return MotionGraph((), (), (source,))
-    stays, occurrences = _timeline(read, moments)
+        return MotionGraph((), (), sources)
+    stays, occurrences = _timelines(read, moments, recordings)
     sides = {(v.state, v.mirrored) for v in read.visits}
     states = [
         State(
@@ -32,62 +59,62 @@ def assemble(read: Reading, moments: Moments, name: str = "") -> MotionGraph:
         for side in (False, True)
         if (k, side) in sides
     ]
-    return build(states, _paths(read, moments, occurrences), (source,))
-
-
-_LEAD, _TAIL = -1, -2
-"""Numbers of the traversals that the recording begins and ends on."""
+    return build(states, _paths(read, moments, occurrences), sources)
 
 
 def _state_id(state: int, mirrored: bool) -> int:
     return 2 * state + mirrored
 
 
-def _timeline(
-    read: Reading, moments: Moments
-) -> tuple[dict[tuple[int, bool], list[Stay]], list[tuple[int, Occurrence]]]:
-    """Stays by state and side; and for each traversal that lasts, its number and its frames, direction left open."""
+_Number = tuple[str, int]
+"""Which traversal: ("way", its number), ("lead", visit) or ("tail", visit)."""
+
+
+def _timelines(
+    read: Reading, moments: Moments, recordings: Sequence[Recorded]
+) -> tuple[dict[tuple[int, bool], list[Stay]], dict[_Number, Occurrence]]:
+    """Stays by state and side; and the frames of each traversal, direction left open."""
     held = _reading.held(moments, read)
     stays: dict[tuple[int, bool], list[Stay]] = {}
-    occurrences: list[tuple[int, Occurrence]] = []
-    at = 0
-    last = len(read.visits) - 1
-    if read.lead is not None:
-        at = max(1, moments.frame_of(read.visits[0].at))
-        occurrences.append((_LEAD, Occurrence(0, 0, at, complete=False)))
-    for k, visit in enumerate(read.visits):
-        stretch = held[k]
-        if k == 0:
-            start, end = at, moments.frame_of(stretch[1] if stretch else visit.at)
-        elif stretch is None:
-            start = end = moments.frame_of(visit.at)
-        else:
-            start, end = moments.frame_of(stretch[0]), moments.frame_of(stretch[1])
-        if k == last and read.tail is None:
-            end = moments.source_frames
-        start, end = max(start, at), max(end, at)
-        if k > 0:
-            # a path has at least one frame, even where two states lie within one
-            start = max(start, at + 1)
-            end = max(end, start)
-            occurrences.append((k - 1, Occurrence(0, at, start)))
-        if end > start:
-            stays.setdefault((visit.state, visit.mirrored), []).append(Stay(0, start, end))
-        at = end
-    if read.tail is not None and at < moments.source_frames:
-        occurrences.append((_TAIL, Occurrence(0, at, moments.source_frames, complete=False)))
+    occurrences: dict[_Number, Occurrence] = {}
+    borders = [*(r.first for r in recordings[1:]), moments.count]
+    for number, (recording, end_moment) in enumerate(zip(recordings, borders, strict=True)):
+        own = [k for k, v in enumerate(read.visits) if recording.first <= v.at < end_moment]
+        frames = recording.source.frames
+        at = 0
+        if own and own[0] in read.leads:
+            at = max(1, recording.frame_of(read.visits[own[0]].at))
+            occurrences["lead", own[0]] = Occurrence(number, 0, at, complete=False)
+        for k in own:
+            visit, stretch = read.visits[k], held[k]
+            low, high = stretch or (visit.at, visit.at)
+            start, end = recording.frame_of(low), recording.frame_of(high)
+            if k == own[0]:
+                start = at
+            if k == own[-1] and k not in read.tails:
+                end = frames
+            start, end = max(start, at), max(end, at)
+            if k != own[0]:
+                # a path has at least one frame, even where two states lie within one
+                start = max(start, at + 1)
+                occurrences["way", k - 1] = Occurrence(number, at, start)
+                end = max(end, start)
+            if end > start:
+                stays.setdefault((visit.state, visit.mirrored), []).append(Stay(number, start, end))
+            at = end
+        if own and own[-1] in read.tails and at < frames:
+            occurrences["tail", own[-1]] = Occurrence(number, at, frames, complete=False)
     return stays, occurrences
 
 
-def _paths(read: Reading, moments: Moments, occurrences: Sequence[tuple[int, Occurrence]]) -> list[Path]:
-    frames = dict(occurrences)
+def _paths(read: Reading, moments: Moments, frames: Mapping[_Number, Occurrence]) -> list[Path]:
     out: list[Path] = []
     for k, path in enumerate(read.paths):
-        taken = [(n, t) for n, t in enumerate(read.traversals) if t.path == k]
+        ways: list[tuple[_Number, Traversal]] = [(("way", n), t) for n, t in enumerate(read.traversals)]
+        ways += [(("lead", n), t) for n, t in read.leads.items()]
+        ways += [(("tail", n), t) for n, t in read.tails.items()]
+        taken = [(n, t) for n, t in ways if t.path == k and n in frames]
         first = taken[0][1]
-        taken += [
-            (n, t) for n, t in ((_LEAD, read.lead), (_TAIL, read.tail)) if t is not None and t.path == k and n in frames
-        ]
         mirror_cost, mirror_reverse_cost = _reading.self_symmetry(moments, first.start, first.end)
         ends_symmetric = read.states[path.from_[0]].symmetric and read.states[path.to[0]].symmetric
         symmetric = (

@@ -31,6 +31,8 @@ _LONGEST_S: Final = 8.0
 """Seconds: a longer cycle is a choreography that is repeated, and has states of its own."""
 _SLOW: Final = 0.15
 """Of the quickest tenth of a way: slower is standing."""
+_STOPS: Final = 0.1
+"""Of the ways: more with a stop make a choreography."""
 _STOPPED: Final = 0.15
 """Of the middle half of a way."""
 
@@ -107,7 +109,7 @@ def _stops_between(moments: Moments, anchors: Sequence[Anchor]) -> bool:
         middle = way[len(way) // 4 : len(way) - len(way) // 4]
         if len(middle) and float(np.mean(middle < _SLOW * np.quantile(way, 0.9))) > _STOPPED:
             stops += 1
-    return stops > len(anchors) // 3
+    return stops > _STOPS * (len(anchors) - 1)
 
 
 def _cycle(moments: Moments, a: int, b: int, class_: MovementClass) -> tuple[list[Anchor], list[Leg]] | None:

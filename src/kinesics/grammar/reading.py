@@ -10,8 +10,8 @@ A state that leaves no trace (one way in, one way out, no stop, no turning back,
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Final, NamedTuple
 
@@ -25,6 +25,8 @@ from kinesics.progress import Progress, silent
 Array = NDArray[np.float64]
 Floats = NDArray[np.float32]
 
+BREAK: Final = -1
+"""In place of a path, between the last visit of one recording and the first of the next."""
 _ROWS: Final = 128
 _SAMPLE: Final = 600
 """Moments that the thresholds are judged by."""
@@ -75,6 +77,7 @@ class Traversal:
     start: int
     end: int
     path: int
+    """-1 where one recording ends and the next begins between the visits."""
     reversed: bool
     mirrored: bool
 
@@ -111,10 +114,10 @@ class Reading:
     traversals: tuple[Traversal, ...]
     """One fewer than visits."""
     nearness: Nearness
-    lead: Traversal | None = None
-    """Where the recording begins on the way of a cyclic movement: the path that it is on, begun before."""
-    tail: Traversal | None = None
-    """Where it ends on the way: the path that it is on, not ended."""
+    leads: Mapping[int, Traversal] = field(default_factory=dict)
+    """By visit: where a recording begins on the way of a cyclic movement, the path to its first visit, begun before."""
+    tails: Mapping[int, Traversal] = field(default_factory=dict)
+    """By visit: where a recording ends on the way of a cyclic movement, the path from its last visit, not ended."""
 
 
 def judge_nearness(moments: Moments) -> Nearness:
@@ -267,7 +270,7 @@ class _Mark:
     """It stops, turns back or passes its mirror image there; else a way parts or joins."""
 
 
-def _marks(moments: Moments, place: _Localised, near: Nearness) -> list[_Mark]:
+def _marks(moments: Moments, place: _Localised, near: Nearness, breaks: Sequence[int]) -> list[_Mark]:
     n = moments.count
     marks = [_Mark(0, False), _Mark(n - 1, False)]
     runs = list(_runs(place))
@@ -279,6 +282,7 @@ def _marks(moments: Moments, place: _Localised, near: Nearness) -> list[_Mark]:
     d, _ = moments.by_lag(reach)
     marks += [_Mark((a + b) // 2, True) for a, b in _stops(d, near, max(2, round(_STILL * moments.fps)))]
     slow = _local_minima(moments.speed)
+    slow = [t for t in slow if all(abs(t - b) > 1 for b in breaks)]
     marks += [_Mark(t, True) for t in slow if _turns_back(d, t, near)]
     marks += [_Mark(t, True) for t in _symmetric_passages(moments, near) if _stands_alone(moments, t, near)]
     return _absorbed(moments, marks, near)
@@ -479,13 +483,20 @@ def _distinct(moments: Moments, states: Sequence[ReadState], near: Nearness) -> 
     return [states[k] for k in sorted(kept)]
 
 
+def _split(stretches: Iterable[tuple[int, int]], breaks: Sequence[int]) -> Iterator[tuple[int, int]]:
+    """Cut stretches where another recording begins."""
+    for start, end in stretches:
+        borders = [start, *(b for b in breaks if start < b < end), end]
+        yield from pairwise(borders)
+
+
 def _below(row: Floats, limit: float) -> list[tuple[int, int]]:
     inside = np.concatenate([[False], row < limit, [False]])
     edges = np.flatnonzero(inside[1:] != inside[:-1])
     return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
 
 
-def _visits(moments: Moments, states: Sequence[ReadState], radius: float) -> list[Visit]:
+def _visits(moments: Moments, states: Sequence[ReadState], radius: float, breaks: Sequence[int]) -> list[Visit]:
     """All times at which the movement is in a state; where two claim it, the nearer one's."""
     index = np.array([s.moment for s in states], dtype=np.intp)
     d, s = _between(moments, np.arange(moments.count), index)
@@ -495,7 +506,7 @@ def _visits(moments: Moments, states: Sequence[ReadState], radius: float) -> lis
             if is_mirrored and state.symmetric:
                 continue
             # in at the radius, out at three times it: noise must not make two visits of one
-            for start, end in _below(row, 3 * radius):
+            for start, end in _split(_below(row, 3 * radius), breaks):
                 at = start + int(row[start:end].argmin())
                 if row[at] < radius:
                     near = np.flatnonzero(row[start:end] < radius)
@@ -545,6 +556,7 @@ def _traverse(
     near: Nearness,
     keys: Mapping[int, tuple[tuple[int, int, int], bool, bool]],
     symmetric: Mapping[int, bool],
+    breaks: Sequence[int],
 ) -> tuple[list[ReadPath], list[Traversal]]:
     """The stretches between visits, equal ones merged: the same, reversed, mirrored or both.
 
@@ -567,6 +579,9 @@ def _traverse(
         return taken
 
     for number, (a, b) in enumerate(pairwise(visits)):
+        if any(a.at < border <= b.at for border in breaks):
+            out.append(Traversal(a.at, b.at, BREAK, False, False))
+            continue
         if number in keys and keys[number][0] in known:
             key, way_back, way_mirrored = keys[number]
             model = known[key]
@@ -612,6 +627,10 @@ def _traceless(states: Sequence[ReadState], visits: Sequence[Visit], traversals:
     ways: dict[int, set[frozenset[tuple[int, bool, bool]]]] = {k: set() for k in range(len(states))}
     ends: dict[int, set[tuple[int, bool, bool]]] = {k: set() for k in range(len(states))}
     for visit, before, after in zip(visits[1:-1], traversals[:-1], traversals[1:], strict=True):
+        if BREAK in (before.path, after.path):
+            # where a recording begins or ends the state shows
+            ends[visit.state].add((BREAK, False, False))
+            continue
         # an end of a path: which path, which of its ends, and on which side of the mirror, seen from the unmirrored state
         arriving = (before.path, not before.reversed, before.mirrored != visit.mirrored)
         leaving = (after.path, after.reversed, after.mirrored != visit.mirrored)
@@ -727,39 +746,45 @@ def _cyclic_visits(
 
 
 def _ends(
-    moments: Moments, visits: Sequence[Visit], traversals: Sequence[Traversal], inside: NDArray[np.bool_]
-) -> tuple[Traversal | None, Traversal | None]:
-    """The paths of a cyclic movement that the recording begins and ends on, away from any state."""
-    lead = tail = None
-    first, last = visits[0].at, visits[-1].at
-    if first > 0 and inside[0]:
-        # whatever path arrives in that state later arrives in it now
-        lead = next(
-            (
-                Traversal(0, first, t.path, t.reversed, t.mirrored)
-                for t, v in zip(traversals, visits[1:], strict=True)
-                if (v.state, v.mirrored) == (visits[0].state, visits[0].mirrored)
-            ),
-            None,
-        )
-    if last < moments.count - 1 and inside[-1]:
-        tail = next(
-            (
-                Traversal(last, moments.count - 1, t.path, t.reversed, t.mirrored)
-                for t, v in zip(traversals, visits[:-1], strict=True)
-                if (v.state, v.mirrored) == (visits[-1].state, visits[-1].mirrored)
-            ),
-            None,
-        )
-    return lead, tail
+    moments: Moments,
+    visits: Sequence[Visit],
+    traversals: Sequence[Traversal],
+    inside: NDArray[np.bool_],
+    breaks: Sequence[int],
+) -> tuple[dict[int, Traversal], dict[int, Traversal]]:
+    """The paths of a cyclic movement that each recording begins and ends on, away from any state."""
+    leads: dict[int, Traversal] = {}
+    tails: dict[int, Traversal] = {}
+    for start, end in pairwise((0, *breaks, moments.count)):
+        own = [k for k, v in enumerate(visits) if start <= v.at < end]
+        if not own:
+            continue
+        first, last = own[0], own[-1]
+        if visits[first].at > start and inside[start]:
+            # whatever path arrives in that state later arrives in it now
+            here = (visits[first].state, visits[first].mirrored)
+            for t, v in zip(traversals, visits[1:], strict=True):
+                if t.path != BREAK and (v.state, v.mirrored) == here:
+                    leads[first] = Traversal(start, visits[first].at, t.path, t.reversed, t.mirrored)
+                    break
+        if visits[last].at < end - 1 and inside[end - 1]:
+            here = (visits[last].state, visits[last].mirrored)
+            for t, v in zip(traversals, visits[:-1], strict=True):
+                if t.path != BREAK and (v.state, v.mirrored) == here:
+                    tails[last] = Traversal(visits[last].at, end - 1, t.path, t.reversed, t.mirrored)
+                    break
+    return leads, tails
 
 
-def read(moments: Moments, cyclic: Sequence[Cyclic] = (), progress: Progress = silent) -> Reading:
-    """Read states and paths from a recording.
+def read(
+    moments: Moments, cyclic: Sequence[Cyclic] = (), progress: Progress = silent, *, breaks: Sequence[int] = ()
+) -> Reading:
+    """Read states and paths from a recording, or from several put one after the other.
 
     Parameters
     ----------
     cyclic : stretches whose states follow from their class (see `kinesics.grammar.cyclic`), in order, not overlapping.
+    breaks : moments at which another recording begins.
     """
     near = judge_nearness(moments)
     inside = np.zeros(moments.count, dtype=np.bool_)
@@ -770,7 +795,8 @@ def read(moments: Moments, cyclic: Sequence[Cyclic] = (), progress: Progress = s
     marks: list[_Mark] = []
     if not inside.all():
         place = _localise(moments, near.same, progress)
-        marks = [m for m in _marks(moments, place, near) if not inside[m.moment]]
+        edges = [_Mark(t, False) for b in breaks for t in (b - 1, b)]
+        marks = [m for m in (*_marks(moments, place, near, breaks), *edges) if not inside[m.moment]]
     states = [_state_of(moments, group, near) for group in _cluster(moments, marks, near.state)] if marks else []
     states = _refined(moments, states, near) if states else []
     states, roles = _with_cyclic(moments, states, cyclic, near)
@@ -781,14 +807,14 @@ def read(moments: Moments, cyclic: Sequence[Cyclic] = (), progress: Progress = s
             # a cycle without stop, turning back or parting of ways has its state at its slowest moment
             slowest = int(moments.speed.argmin())
             states = [_state_of(moments, [_Mark(slowest, True)], near)]
-        visits = [v for v in _visits(moments, states, near.visit) if not inside[v.at]]
+        visits = [v for v in _visits(moments, states, near.visit, breaks) if not inside[v.at]]
         visits, keys = _cyclic_visits(visits, cyclic, roles)
         shadows = _shadows(moments, states, visits, near) - fixed
         if shadows:
             states, roles = _without(states, roles, shadows)
             fixed = set(roles.values())
             continue
-        paths, traversals = _traverse(moments, states, visits, near, keys, symmetric)
+        paths, traversals = _traverse(moments, states, visits, near, keys, symmetric, breaks)
         visited = {v.state for v in visits}
         drop = (_traceless(states, visits, traversals) | (set(range(len(states))) - visited)) - fixed
         if not drop:
@@ -796,5 +822,5 @@ def read(moments: Moments, cyclic: Sequence[Cyclic] = (), progress: Progress = s
         # one at a time: two neighbours without trace may be each other's only trace
         states, roles = _without(states, roles, {min(drop)})
         fixed = set(roles.values())
-    lead, tail = _ends(moments, visits, traversals, inside)
-    return Reading(tuple(states), tuple(paths), tuple(visits), tuple(traversals), near, lead, tail)
+    leads, tails = _ends(moments, visits, traversals, inside, breaks)
+    return Reading(tuple(states), tuple(paths), tuple(visits), tuple(traversals), near, leads, tails)

@@ -1,4 +1,4 @@
-"""All that the grammar tells of one recording, read in one go: class, phrases, graph.
+"""All that the grammar tells of one recording, read in one go: class, phrases, motifs, graph.
 
 Each part is read by itself. One that cannot be read (a recording of one frame has no phrases) is empty and leaves the others as
 they are; why it is empty stands in `Grammar.remarks`.
@@ -14,17 +14,22 @@ from typing import Final, TypeVar
 
 from kinesics.body.pose import PoseSequence
 from kinesics.errors import Cancelled
-from kinesics.grammar import assembly, classes, cyclic, moments, phrases, reading
+from kinesics.grammar import assembly, classes, cyclic, moments, motifs, phrases, reading
 from kinesics.grammar.classes import Verdict
 from kinesics.grammar.cyclic import Cyclic
 from kinesics.grammar.edits import Edits, Phrase
 from kinesics.grammar.graph import MotionGraph
 from kinesics.grammar.moments import Moments
+from kinesics.grammar.motifs import Motif, Reversal, StateRepetition, Strike
 from kinesics.progress import Progress, silent
 from kinesics.similarity._inputs import Weights
 
 T = TypeVar("T")
 
+SURE: Final = 0.6
+"""Confidence from which on a cyclic class says what the states of its stretch are;"""
+CYCLES: Final = 3
+"""and so many cycles: what is done twice may be any choreography, and is read like one."""
 LEAST_MOMENTS: Final = 6
 """A recording of fewer moments has no phrases, no motifs and no graph."""
 
@@ -47,13 +52,21 @@ class JudgedPhrase:
 
 @dataclass(frozen=True, eq=False)
 class Grammar:
-    """What was read; all frames are those of the recording."""
+    """What was read.
+
+    Phrases and the graph count frames of the recording, motifs and the like count moments: `Moments.frame_of` leads from these to
+    those.
+    """
 
     moments: Moments
     overall: Verdict | None
     """Of the whole as one path."""
     phrases: tuple[JudgedPhrase, ...]
     """They follow one another from the first frame to the last; none for a recording that is too short."""
+    motifs: tuple[Motif, ...]
+    state_repetitions: tuple[StateRepetition, ...]
+    reversals: tuple[Reversal, ...]
+    strikes: tuple[Strike, ...]
     graph: MotionGraph | None
     remarks: tuple[str, ...]
     """Which parts could not be read, and why."""
@@ -90,7 +103,7 @@ def read_grammar(
     remarks: list[str] = []
     if read.count < LEAST_MOMENTS:
         report(1.0, "grammar read")
-        return Grammar(read, None, (), None, ())
+        return Grammar(read, None, (), (), (), (), (), None, ())
 
     def attempt(what: str, job: Callable[[], T]) -> T | None:
         try:
@@ -108,25 +121,31 @@ def read_grammar(
     found = attempt("Phrases", lambda: phrases.find_phrases(read)) or ()
     judged: list[JudgedPhrase] = []
     for number, phrase in enumerate(found):
-        report(0.35 + 0.2 * number / len(found), "classes of the phrases")
+        report(0.3 + 0.15 * number / len(found), "classes of the phrases")
         verdict = overall
         if (phrase.start, phrase.end) != (0, read.count) or verdict is None:
             judge = partial(classes.classify, read, phrase.start, phrase.end)
             verdict = attempt(f"The class of phrase {number}", judge)
         judged.append(JudgedPhrase(read.frame_of(phrase.start), read.frame_of(phrase.end), phrase.kind, verdict))
-    report(0.55, "the motion graph")
 
-    def later(fraction: float, message: str = "") -> None:
-        report(0.55 + 0.45 * fraction, message or "the motion graph")
+    def part(start: float, end: float) -> Progress:
+        return lambda fraction, message="": report(start + (end - start) * fraction, message)
+
+    report(0.45, "motifs")
+    recurring = attempt("Motifs", lambda: motifs.find_motifs(read, part(0.45, 0.7))) or ()
+    repeated = attempt("State repetitions", lambda: motifs.find_state_repetitions(read)) or ()
+    reversals = attempt("Reversals", lambda: motifs.find_reversals(read)) or ()
+    strikes = attempt("Strikes", lambda: motifs.find_strikes(read)) or ()
+    report(0.75, "the motion graph")
 
     def read_graph() -> MotionGraph:
-        return assembly.assemble(reading.read(read, _cyclic(read, overall, judged), later), read, name)
+        return assembly.assemble(reading.read(read, _cyclic(read, overall, judged), part(0.75, 1.0)), read, name)
 
     graph = attempt("The motion graph", read_graph)
     if edits is not None:
         judged = _edited_phrases(read, judged, edits, source)
     report(1.0, "grammar read")
-    return Grammar(read, overall, tuple(judged), graph, tuple(remarks))
+    return Grammar(read, overall, tuple(judged), recurring, repeated, reversals, strikes, graph, tuple(remarks))
 
 
 def cyclic_stretches(read: Moments) -> list[Cyclic]:
@@ -148,7 +167,9 @@ def _cyclic(read: Moments, overall: Verdict | None, judged: Sequence[JudgedPhras
 def _structures(read: Moments, candidates: Sequence[tuple[int, int, Verdict | None]]) -> list[Cyclic]:
     out: list[Cyclic] = []
     for start, end, verdict in candidates:
-        if verdict is None or verdict.class_ is None or not verdict.cycles:
+        if verdict is None or verdict.class_ is None or verdict.confidence < SURE:
+            continue
+        if len(verdict.cycles) < CYCLES or (verdict.repeats or 0.0) < CYCLES:
             continue
         cuts = [read.moment_of(c.start) for c in verdict.cycles] + [read.moment_of(verdict.cycles[-1].end)]
         found = cyclic.structure(read, start, end, verdict.class_, cuts)

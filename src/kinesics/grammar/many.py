@@ -1,0 +1,76 @@
+"""One motion graph of many recordings: what they share is one state, one path (§3.6.2, and §1.3 on motion graphs)."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+
+import numpy as np
+
+from kinesics.body.pose import PoseSequence
+from kinesics.errors import InputError
+from kinesics.grammar import assembly, reading, whole
+from kinesics.grammar import moments as _moments
+from kinesics.grammar.assembly import Recorded
+from kinesics.grammar.cyclic import Anchor, Cyclic
+from kinesics.grammar.graph import MotionGraph, Source
+from kinesics.progress import Progress, silent
+from kinesics.similarity._inputs import Weights
+
+
+def read_graph(
+    recordings: Sequence[PoseSequence],
+    names: Sequence[str] = (),
+    *,
+    weights: Weights | None = None,
+    progress: Progress = silent,
+) -> MotionGraph:
+    """The motion graph of one or several recordings, in the order given.
+
+    All are read at the lowest of their rates (at most 30 moments a second) and under one measure of nearness.
+
+    Raises
+    ------
+    InputError
+        If there is no recording, or names and recordings differ in number.
+    """
+    if not recordings:
+        raise InputError("Expected at least one recording.")
+    named = list(names) or [f"recording {k + 1}" for k in range(len(recordings))]
+    if len(named) != len(recordings):
+        raise InputError(f"Expected as many names as recordings ({len(recordings)}), got {len(named)}.")
+    rate = min(_moments.RATE, *(p.fps for p in recordings))
+    own = [_moments.from_poses(p, rate, weights=weights) for p in recordings]
+    taken = [m.poses for m in own if m.poses is not None]
+    joined = dataclasses.replace(
+        taken[0],
+        quaternions=np.concatenate([p.quaternions for p in taken]),
+        yaw=np.concatenate([p.yaw for p in taken]),
+        ground=np.concatenate([p.ground for p in taken]),
+        yaw_undefined=None,
+        fps=rate,
+    )
+    together = _moments.from_poses(joined, rate, weights=weights)
+    # the joints between recordings are no movement, and each recording's noise is known at its own rate
+    starts = np.cumsum([0, *(m.count for m in own)])
+    together = dataclasses.replace(
+        together, speed=np.concatenate([m.speed for m in own]), noise=max(m.noise for m in own)
+    )
+    cyclic = [
+        _shifted(stretch, int(first))
+        for m, first in zip(own, starts, strict=False)
+        if m.count >= whole.LEAST_MOMENTS
+        for stretch in whole.cyclic_stretches(m)
+    ]
+    breaks = [int(b) for b in starts[1:-1]]
+    read = reading.read(together, cyclic, progress, breaks=breaks)
+    parts = [
+        Recorded(Source(name, m.source_frames, m.source_fps), int(first), m)
+        for name, m, first in zip(named, own, starts, strict=False)
+    ]
+    return assembly.assemble_many(read, together, parts)
+
+
+def _shifted(stretch: Cyclic, by: int) -> Cyclic:
+    anchors = tuple(Anchor(a.moment + by, a.role, a.mirrored, a.symmetric) for a in stretch.anchors)
+    return dataclasses.replace(stretch, start=stretch.start + by, end=stretch.end + by, anchors=anchors)
