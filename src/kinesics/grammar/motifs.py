@@ -52,11 +52,15 @@ _DROP: Final = 0.4
 """An extension ends when it has lost what this many seconds of perfect agreement gain."""
 _BEND: Final = 0.02
 _EDGE: Final = 0.01
+_EXPLAINED: Final = 0.5
+"""A stretch of which more than this share is explained makes no motif of its own."""
 _TURN_S: Final = (0.4, 0.8, 1.6)
-_TURNING: Final = 0.2
-"""Residual up to which a path counts as turning back,"""
-_TURN_SPEED: Final = 0.7
-"""where it is slower than this share of its speed around."""
+_TURNING: Final = 0.12
+"""Residual up to which a path counts as turning back; up to twice as much where the body stops for it."""
+_SLOWED: Final = 0.6
+"""Share of the speed around, from which down a turning counts as slowed for."""
+_CALM: Final = 0.5
+"""A moment is calm whose speed is below this share of the greatest within a second."""
 _TURNS_APART_S: Final = 0.25
 STRIKE_S: Final = 0.12
 """A strike loses half of its speed in no more than this. A swing of half a second takes .17 s."""
@@ -107,6 +111,7 @@ class Reversal:
 
     moment: int
     residual: float
+    """What the way back leaves of the way there, over what may be left: 0 is exact, 1 the limit."""
 
 
 @dataclass(frozen=True)
@@ -149,6 +154,7 @@ class _Search:
         self.bend = np.float32(
             _BEND * float(np.median(finite[:: max(1, len(finite) // 100_000)])) if len(finite) else 0.0
         )
+        self.block: tuple[int, tuple[Floats, Floats] | None] = (0, None)
         self.explained = np.zeros(n, dtype=np.bool_)
         self.way = np.concatenate([[0.0], np.cumsum(_quiet_speed(moments)[1:])])
 
@@ -168,8 +174,10 @@ class _Search:
                 i = run[1]
                 continue
             stretch = self._stretch(i)
+            if stretch and self.explained[slice(*stretch)].mean() > _EXPLAINED:
+                stretch = None
             members = self._members(*stretch) if stretch else []
-            if len(members) < 2 or self.explained[members[0].start : members[0].end].mean() > 0.5:
+            if len(members) < 2:
                 i += stride
                 continue
             for member in members:
@@ -182,7 +190,7 @@ class _Search:
                     mean = float(np.mean([m.residual for m in others]))
                     out.append(Motif(len(out), family, relation, 1.0 - mean, (first, *others)))
             family += 1
-            i += 1
+            i += 1 if self.explained[i] else stride
         progress(1.0, "motifs")
         return out
 
@@ -193,14 +201,14 @@ class _Search:
         size = float(self.range[i])
         hits: list[tuple[int, bool, bool]] = []
         nearest = 10**9
-        for mirrored, tile in enumerate(self.moments.tile(own, slice(0, self.moments.count))):
+        for mirrored, tile in enumerate(self._rows(own.start, own.stop)):
             for backwards in (False, True):
                 cost = self._seed(tile, backwards=backwards)
                 cost[max(0, i - 2 * half) : i + 2 * half + 1] = (
                     np.inf if not mirrored or backwards else cost[max(0, i - 2 * half) : i + 2 * half + 1]
                 )
                 share = (cost - self.moments.noise) / size
-                for j in _valleys(share, CHANCE, half):
+                for j in _valleys(share, CHANCE, half)[:_MOST_HITS]:
                     # of movement of another size the one cannot be the other
                     if self.range[j] > 0.0:
                         hits.append((j, bool(mirrored), backwards))
@@ -208,10 +216,10 @@ class _Search:
                             nearest = min(nearest, abs(j - i))
         nearest = min(nearest, self._period_near(i))
         best: tuple[int, int] | None = None
-        for j, mirrored_, backwards in hits[:_MOST_HITS]:
+        for j, mirrored_, backwards in hits:
             if abs(j - i) < 2:
                 continue
-            back, ahead = self._extent(i, j, mirrored=mirrored_, backwards=backwards)
+            back, ahead = self._extent(i, j, nearest, mirrored=mirrored_, backwards=backwards)
             a, b = i - back, i + ahead + 1
             if backwards:
                 middle = (i + j) // 2
@@ -223,7 +231,18 @@ class _Search:
         if best is None:
             return None
         a, b = self._trimmed(*best)
-        return (a, b) if a <= i < b and b - a >= SHORTEST_S * self.moments.fps else None
+        return (a, b) if b - a >= SHORTEST_S * self.moments.fps else None
+
+    def _rows(self, a: int, b: int) -> tuple[Floats, Floats]:
+        """D and D* of moments [a, b) and all others, from a block of rows that is kept until another is wanted."""
+        n = self.moments.count
+        first, block = self.block
+        if block is None or a < first or b > first + len(block[0]):
+            rows = max(b - a, min(n, _KEPT_CELLS // n))
+            block = self.moments.tile(slice(a, min(a + rows, n)), slice(0, n))
+            first = a
+            self.block = (first, block)
+        return block[0][a - first : b - first], block[1][a - first : b - first]
 
     def _period_near(self, i: int) -> int:
         """The shortest lag at which the movement about a moment is the same, were it shorter than the seed is long."""
@@ -232,7 +251,7 @@ class _Search:
         low, high = max(0, i - 4 * half - half), min(n, i + 4 * half + half + 1)
         if i - half < 0 or i + half >= n:
             return 10**9
-        tile = self.moments.tile(slice(i - half, i + half + 1), slice(low, high))[0]
+        tile = self._rows(i - half, i + half + 1)[0][:, low:high]
         cost = (self._seed(tile, backwards=False) - self.moments.noise) / max(float(self.range[i]), 1e-12)
         best = 10**9
         for side in (cost[i - low :], cost[i - low :: -1]):
@@ -279,15 +298,15 @@ class _Search:
         worse: Floats = np.maximum(*sides)
         return worse
 
-    def _extent(self, i: int, j: int, *, mirrored: bool, backwards: bool) -> tuple[int, int]:
-        """How many moments before and after ``i`` the agreement with what surrounds ``j`` goes on."""
-        ahead = self._one_way(i, j, 1, mirrored, backwards=backwards)
-        back = self._one_way(i, j, -1, mirrored, backwards=backwards)
+    def _extent(self, i: int, j: int, most: int, *, mirrored: bool, backwards: bool) -> tuple[int, int]:
+        """How many moments before and after ``i``, at most, the agreement with what surrounds ``j`` goes on."""
+        most = min(most, round(LONGEST_S * self.moments.fps))
+        ahead = self._one_way(i, j, 1, most, mirrored, backwards=backwards)
+        back = self._one_way(i, j, -1, most, mirrored, backwards=backwards)
         return back, ahead
 
-    def _one_way(self, i: int, j: int, direction: int, mirrored: bool, *, backwards: bool) -> int:
+    def _one_way(self, i: int, j: int, direction: int, most: int, mirrored: bool, *, backwards: bool) -> int:
         n = self.moments.count
-        most = round(LONGEST_S * self.moments.fps)
         rows = min(most, n - 1 - i if direction > 0 else i)
         towards = -direction if backwards else direction
         columns = min(2 * rows, n - 1 - j if towards > 0 else j)
@@ -368,7 +387,9 @@ class _Search:
         return _RANGE * float(self.moments.thinned(index)[0].mean()) > max(0.25 * size, _SWAY)
 
 
-_MOST_HITS: Final = 24
+_KEPT_CELLS: Final = 4_000_000
+_MOST_HITS: Final = 4
+"""Of each relation, that are followed to see how long a stretch recurs."""
 
 
 def _lower(best: Floats, run: Floats, shift: int, cost: float | np.float32) -> None:
@@ -391,26 +412,30 @@ def _advance(total: Array, before: Array, gain: Array, bend: float) -> Array:
     return best
 
 
-def _subsequence(tile: Floats, bend: float) -> tuple[Array, NDArray[np.intp]]:
+def _subsequence(tile: Floats, bend: float) -> tuple[Floats, NDArray[np.intp]]:
     """The cheapest way through all rows that ends at each column: summed distance, and the column it began at.
 
     Each step goes on by one row and one column, one row and two columns, or two rows and one column (the row between counts as
     much as the one that is reached), so that the tempo stays between half and double.
     """
     rows, n = tile.shape
-    columns = np.arange(n)
-    total, start = tile[0].astype(np.float64), columns.copy()
-    before, before_start = np.full(n, np.inf), columns.copy()
+    cost = np.float32(bend)
+    total, start = tile[0].copy(), np.arange(n)
+    before, before_start = np.full(n, np.inf, dtype=np.float32), start
     for r in range(1, rows):
-        here = tile[r].astype(np.float64)
-        options = np.full((3, n), np.inf)
-        options[0, 1:] = total[:-1] + here[1:]
-        options[1, 2:] = total[:-2] + here[2:] + bend
-        options[2, 1:] = before[:-1] + 2.0 * here[1:] + bend
-        best = options.argmin(axis=0)
-        origins = np.stack([np.roll(start, 1), np.roll(start, 2), np.roll(before_start, 1)])
-        before, before_start = total, start
-        total, start = options[best, columns], origins[best, columns]
+        here = tile[r]
+        now = np.full(n, np.inf, dtype=np.float32)
+        now[1:] = total[:-1] + here[1:]
+        origin = np.concatenate([start[:1], start[:-1]])
+        other = total[:-2] + here[2:] + cost
+        lower = other < now[2:]
+        now[2:][lower] = other[lower]
+        origin[2:][lower] = start[:-2][lower]
+        other = before[:-1] + np.float32(2.0) * here[1:] + cost
+        lower = other < now[1:]
+        now[1:][lower] = other[lower]
+        origin[1:][lower] = before_start[:-1][lower]
+        before, before_start, total, start = total, start, now, origin
     return total, start
 
 
@@ -468,7 +493,7 @@ def _quiet_speed(moments: Moments) -> Array:
     """Way of each step without what the noise adds to it."""
     squared = (moments.speed / moments.fps) ** 2
     smooth = np.convolve(np.pad(squared, 1, mode="edge"), np.ones(3) / 3.0, "valid")
-    return np.sqrt(np.maximum(smooth - 4.0 * moments.noise, 0.0))
+    return np.sqrt(np.maximum(smooth - 2.0 * moments.noise, 0.0))
 
 
 def _at_rate(motif: Motif, step: int, count: int) -> Motif:
@@ -496,7 +521,8 @@ def find_reversals(moments: Moments) -> tuple[Reversal, ...]:
     """Moments at which the movement turns back on its own path, in order.
 
     What comes after is what was before, backwards, for 0.4 s at least (or 0.8 or 1.6 s, where it stays at the turning for a
-    while), and the body is slow there: at a turning speed falls, whereas a path that is only bent keeps it.
+    while), and the body is slower there than around. Between strides, too, legs nearly retrace their way: that leaves .15 to .3
+    of the range, where true turnings leave less than .12, or somewhat more where the body stops.
     """
     n, fps = moments.count, moments.fps
     reaches = [w for w in (max(2, round(s * fps)) for s in _TURN_S) if 2 * w < n]
@@ -507,18 +533,23 @@ def find_reversals(moments: Moments) -> tuple[Reversal, ...]:
     floor = _SWAY + _RANGE * moments.noise
     places = np.arange(2 * n - 1)
     least = np.full(2 * n - 1, np.inf)
+    judged = np.zeros(2 * n - 1, dtype=np.bool_)
     on = _speed_on_moments(moments)
     for reach in reaches:
         range_ = _RANGE * spread(by_lag, reach)
         # a place between two moments has the range of both
         size = 0.5 * (range_[places // 2] + range_[(places + 1) // 2])
         mean = np.convolve(np.pad(on, reach, mode="edge"), np.ones(2 * reach + 1) / (2 * reach + 1), "valid")
-        slow = on[places // 2] + on[(places + 1) // 2] < 2.0 * _TURN_SPEED * mean[places // 2]
+        slow = 0.5 * (on[places // 2] + on[(places + 1) // 2]) / np.maximum(mean[places // 2], 1e-12)
         with np.errstate(divide="ignore", invalid="ignore"):
             share = np.maximum(lags.turning(by_lag, reach, bend=bend).costs - moments.noise, 0.0) / size
-        share[(size <= floor) | ~slow] = np.inf
-        np.minimum(least, share, out=least)
-    found = _valleys(least, _TURNING, round(2 * _TURNS_APART_S * fps))
+        share /= _TURNING * (1.0 + np.maximum(1.0 - slow / _SLOWED, 0.0))
+        share[(slow >= 1.0) | np.isnan(share)] = np.inf
+        # a longer reach is for where nothing moves within the shorter one
+        here = (size > floor) & ~judged
+        least[here] = share[here]
+        judged |= here
+    found = _valleys(least, 1.0, round(2 * _TURNS_APART_S * fps))
     return tuple(Reversal(c // 2, float(least[c])) for c in sorted(found))
 
 
@@ -575,7 +606,7 @@ def _calm(moments: Moments) -> NDArray[np.intp]:
     padded = np.pad(v, apart, mode="edge")
     least = np.lib.stride_tricks.sliding_window_view(padded, 2 * apart + 1).min(axis=1)
     most = np.lib.stride_tricks.sliding_window_view(np.pad(v, 4 * apart, mode="edge"), 8 * apart + 1).max(axis=1)
-    marks = np.flatnonzero((v <= least) & (v < _TURN_SPEED * most))
+    marks = np.flatnonzero((v <= least) & (v < _CALM * most))
     return np.unique(np.concatenate([[0], marks, [n - 1]])).astype(np.intp)
 
 
@@ -602,8 +633,8 @@ def _visits(moments: Moments, marks: NDArray[np.intp], near: float) -> list[int]
 
 
 def _speed_on_moments(moments: Moments) -> Array:
-    """Speed at each moment, the mean of the steps to it and from it, smoothed over three."""
-    v = moments.speed
+    """Speed at each moment without what the noise adds to it: the mean of the steps to it and from it, smoothed over three."""
+    v = _quiet_speed(moments) * moments.fps
     on = v.copy()
     on[1:-1] = 0.5 * (v[1:-1] + v[2:])
     return np.convolve(np.pad(on, 1, mode="edge"), (0.25, 0.5, 0.25), "valid")
