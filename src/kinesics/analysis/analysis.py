@@ -157,6 +157,8 @@ def analyze(
         judgement.phrases(number, grammar, curve, sequence.fps)
         for number, (grammar, curve, sequence) in enumerate(zip(grammars, speeds, sequences, strict=True))
     ]
+    first_motifs = np.cumsum([0, *(len(g.motifs) for g in grammars)])
+    numbered = list(enumerate(grammars))
     firsts = np.cumsum([0, *(len(p) for p in phrases)])
     remarks = [
         _said(source, remark, sources) for source, g in zip(sources, grammars, strict=True) for remark in g.remarks
@@ -192,6 +194,10 @@ def analyze(
         sources=sources,
         overall=judgement.of_several(sources),
         phrases=tuple(p for each in phrases for p in each),
+        motifs=tuple(m for k, g in numbered for m in judgement.motifs(k, g, int(first_motifs[k]))),
+        state_repetitions=tuple(r for k, g in numbered for r in judgement.state_repetitions(k, g)),
+        reversals=tuple(r for k, g in numbered for r in judgement.reversals(k, g)),
+        strikes=tuple(s for k, g in numbered for s in judgement.strikes(k, g)),
         cycles=tuple(c for g, first in zip(grammars, firsts, strict=False) for c in judgement.cycles(g, int(first))),
         graph=graph if edits is None else edits.apply(graph),
         stillness=_ranges(still),

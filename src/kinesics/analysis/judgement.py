@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from kinesics.analysis import facts
 from kinesics.grammar.classes import Verdict
+from kinesics.grammar.motifs import in_frames
 from kinesics.grammar.whole import Grammar
 
 Array = NDArray[np.float64]
@@ -77,6 +78,51 @@ def cycles(grammar: Grammar, first_phrase: int) -> tuple[facts.Cycle, ...]:
         if phrase.verdict is not None
         for cycle in phrase.verdict.cycles
     )
+
+
+def motifs(source: int, grammar: Grammar, first_id: int) -> tuple[facts.Motif, ...]:
+    """The motifs of one recording.
+
+    Parameters
+    ----------
+    first_id : motifs are numbered from here on, so that several recordings can be told together.
+    """
+    return tuple(
+        facts.Motif(
+            id=first_id + number,
+            relation=str(motif.relation),
+            similarity=float(motif.similarity),
+            members=tuple(
+                facts.MotifMember(source, m.start, m.end, bool(m.reversed), bool(m.mirrored), m.path)
+                for m in motif.members
+            ),
+        )
+        for number, motif in enumerate(in_frames(grammar.moments, grammar.motifs))
+    )
+
+
+def state_repetitions(source: int, grammar: Grammar) -> tuple[facts.StateRepetition, ...]:
+    """Moments of one recording at which a pose is taken again."""
+    frame = grammar.moments.frame_of
+    return tuple(
+        facts.StateRepetition(source, tuple(frame(k) for k in found.moments), bool(found.mirrored))
+        for found in grammar.state_repetitions
+    )
+
+
+def reversals(source: int, grammar: Grammar) -> tuple[facts.Reversal, ...]:
+    """Moments of one recording at which the movement turns back on its own path."""
+    return tuple(facts.Reversal(source, grammar.moments.frame_of(found.moment)) for found in grammar.reversals)
+
+
+def strikes(source: int, grammar: Grammar) -> tuple[facts.Strike, ...]:
+    """Fast movements of one recording that end abruptly."""
+    read = grammar.moments
+    out = []
+    for found in grammar.strikes:
+        frame = read.frame_of(found.moment)
+        out.append(facts.Strike(source, frame, frame / read.source_fps, float(found.speed)))
+    return tuple(out)
 
 
 def _judged(verdict: Verdict) -> dict[str, Any]:
