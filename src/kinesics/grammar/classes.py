@@ -224,14 +224,17 @@ def measure(moments: Moments, start: int, end: int) -> Evidence | None:
     by_lag, path = _evidence.find_period(moments, start, end)
     cyclic = cyclic_biased = None
     if path is not None and reach > STILL:
-        cyclic = cyclic_biased = _evidence.cyclic(moments, start, end, by_lag, path)
+        # symmetries are looked for within a period
+        near = min(len(by_lag[0]), int(1.3 * path.lags.max()) + 4)
+        within = (by_lag[0][:near], by_lag[1][:near])
+        cyclic = cyclic_biased = _evidence.cyclic(moments, start, end, within, path)
         # averages are taken over whole periods, the middle ones
         whole = int((n - 1) / cyclic.period) * cyclic.period
         edge = int((n - whole) / 2.0)
         bias = _bias.estimate(moments, start + edge, end - edge)
         if bias is not None:
             straight = _bias.without(moments, bias)
-            cyclic = _evidence.cyclic(straight, start, end, straight.by_lag(len(by_lag[0]) - 1, start, end), path)
+            cyclic = _evidence.cyclic(straight, start, end, straight.by_lag(near - 1, start, end), path)
     single = single_biased = _evidence.single(moments, start, end)
     bias_all = _bias.estimate(moments, start, end)
     if bias_all is not None and single is not None:

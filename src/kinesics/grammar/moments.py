@@ -35,6 +35,7 @@ RATE: Final = 30.0
 LARGEST_BLOCK: Final = 4000
 """Moments of which all pairs may be asked for at once (two minutes)."""
 _ROWS: Final = 1024
+_FEWEST_ROWS: Final = 128
 
 _NEIGHBOURS: Final = (-2, -1, 1, 2)
 _WEIGHTS: Final = (-1 / 6, 4 / 6, 4 / 6, -1 / 6)
@@ -143,8 +144,9 @@ class Moments:
         n = end - start
         most = min(most, n - 1)
         out = np.full((2, most + 1, n), np.inf, dtype=np.float32)
-        for first in range(0, n, _ROWS):
-            rows = np.arange(first, min(first + _ROWS, n))
+        height = min(_ROWS, max(_FEWEST_ROWS, 2 * most))  # a tall tile beside a narrow band is mostly thrown away
+        for first in range(0, n, height):
+            rows = np.arange(first, min(first + height, n))
             stop = min(int(rows[-1]) + most + 1, n)
             parts = self.tile(slice(start + first, start + len(rows) + first), slice(start + first, start + stop))
             for k in range(most + 1):

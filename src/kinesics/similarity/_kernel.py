@@ -32,6 +32,8 @@ _FIRST_TILES: Final = 1024
 _CHUNK_SECONDS: Final = 0.2
 """About how long the work goes on between two such looks."""
 _BLOCK_ROWS: Final = 256
+_ONE_THREAD: Final = 1 << 20
+"""Pairs that one thread does in two milliseconds: on a busy machine, waiting for a second one takes longer."""
 
 
 class Packed(Protocol):
@@ -118,7 +120,8 @@ def fill_distances(
         return
     assert isinstance(a, _native.Poses)
     assert isinstance(b, _native.Poses)
-    _native.distances(a, b, d, d_mirror, row_start, column_start, path)
+    threads = 1 if d.size <= _ONE_THREAD else 0
+    _native.distances(a, b, d, d_mirror, row_start, column_start, path, threads)
 
 
 def fill_diagonal_sums(a: Packed, b: Packed, length: int, d: Floats, d_mirror: Floats, path: str) -> None:
