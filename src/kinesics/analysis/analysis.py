@@ -20,10 +20,11 @@ from kinesics.body import anatomy, quality
 from kinesics.body.motion import Motion
 from kinesics.body.pose import PoseSequence, poses
 from kinesics.errors import InputError
+from kinesics.grammar import many
 from kinesics.grammar import moments as _moments
 from kinesics.grammar.edits import Edits
 from kinesics.grammar.graph import MotionGraph
-from kinesics.grammar.whole import Grammar, read_grammar
+from kinesics.grammar.whole import Grammar, attempted, read_grammar
 from kinesics.progress import Progress, silent
 from kinesics.similarity import BETA_RULE, check_weights, default_beta, speed, symmetry_residual
 from kinesics.similarity._inputs import Weights
@@ -137,6 +138,7 @@ def analyze(
     symmetric = [_symmetric.find_symmetric_states(d) for d in reflected]
 
     grammars: list[Grammar] = []
+    share = 0.5 if len(motions) == 1 else 0.25 / len(motions)
     for number, (each, sequence) in enumerate(zip(understood, sequences, strict=True)):
         grammars.append(
             read_grammar(
@@ -145,12 +147,11 @@ def analyze(
                 weights=link_weights,
                 edits=edits,
                 source=number,
-                progress=_part(report, 0.45 + 0.5 * number / len(motions), 0.45 + 0.5 * (number + 1) / len(motions)),
+                with_graph=len(motions) == 1,
+                progress=_part(report, 0.45 + share * number, 0.45 + share * (number + 1)),
             )
         )
 
-    report(0.95, "β")
-    contrast = float(beta) if beta is not None else default_beta(joined(sequences), link_weights)
     doubts = [quality.inspect(m) for m in understood]
     sources = tuple(_source(*parts) for parts in zip(understood, sequences, doubts, grammars, strict=True))
     phrases = [
@@ -163,11 +164,12 @@ def analyze(
     remarks = [
         _said(source, remark, sources) for source, g in zip(sources, grammars, strict=True) for remark in g.remarks
     ]
+    graph = grammars[0].graph
     if len(sources) > 1:
-        remarks.append(
-            "The motion graph of several recordings together is not read yet: analyse each alone for its graph."
-        )
-    graph = (grammars[0].graph if len(grammars) == 1 else None) or MotionGraph()
+        graph = _joint_graph(sequences, sources, link_weights, remarks, _part(report, 0.7, 0.95))
+    graph = graph or MotionGraph()
+    report(0.95, "β")
+    contrast = float(beta) if beta is not None else default_beta(joined(sequences), link_weights)
     parameters = {
         "beta_rule": BETA_RULE if beta is None else "given by the caller",
         "weights": [float(w) for w in link_weights],
@@ -276,6 +278,18 @@ def _source(motion: Motion, sequence: PoseSequence, doubts: quality.Quality, gra
         assumptions=tuple(dict.fromkeys((*motion.assumptions, *sequence.assumptions))),
         warnings=tuple(dict.fromkeys((*motion.warnings, *doubts.sentences))),
         overall=judgement.overall(grammar.overall),
+    )
+
+
+def _joint_graph(
+    sequences: Sequence[PoseSequence], sources: Sequence[Source], weights: Array, remarks: list[str], progress: Progress
+) -> MotionGraph | None:
+    """One graph of all recordings together; None, and a remark, where it cannot be read."""
+    names = [s.name or f"motion {k + 1}" for k, s in enumerate(sources)]
+    return attempted(
+        remarks,
+        "The motion graph",
+        lambda: many.read_graph(sequences, names, weights=weights, progress=progress),
     )
 
 

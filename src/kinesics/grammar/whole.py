@@ -79,6 +79,7 @@ def read_grammar(
     weights: Weights | None = None,
     edits: Edits | None = None,
     source: int = 0,
+    with_graph: bool = True,
     progress: Progress | None = None,
 ) -> Grammar:
     """The grammar of one recording.
@@ -90,6 +91,7 @@ def read_grammar(
     edits : what a person knows better of the phrases; done when all is read, so that the labels of the graph do not depend on it.
         The graph is left as it is: `Edits.apply` changes it.
     source : the number of the recording in the edits.
+    with_graph : read the motion graph, too; not needed for one of several recordings (`kinesics.grammar.many`).
     progress : called with a fraction now and then; may raise to stop.
 
     Raises
@@ -106,14 +108,7 @@ def read_grammar(
         return Grammar(read, None, (), (), (), (), (), None, ())
 
     def attempt(what: str, job: Callable[[], T]) -> T | None:
-        try:
-            return job()
-        except (Cancelled, MemoryError):
-            raise
-        # one part must not take the others with it; it is said, not hidden
-        except Exception as error:
-            remarks.append(f"{what} could not be read: {type(error).__name__}: {error}")
-            return None
+        return attempted(remarks, what, job)
 
     report(0.05, "the class of the whole")
     overall = attempt("The class of the whole", lambda: classes.classify(read))
@@ -141,11 +136,22 @@ def read_grammar(
     def read_graph() -> MotionGraph:
         return assembly.assemble(reading.read(read, _cyclic(read, overall, judged), part(0.75, 1.0)), read, name)
 
-    graph = attempt("The motion graph", read_graph)
+    graph = attempt("The motion graph", read_graph) if with_graph else None
     if edits is not None:
         judged = _edited_phrases(read, judged, edits, source)
     report(1.0, "grammar read")
     return Grammar(read, overall, tuple(judged), recurring, repeated, reversals, strikes, graph, tuple(remarks))
+
+
+def attempted(remarks: list[str], what: str, job: Callable[[], T]) -> T | None:
+    """What the job gives; None, and a remark, where it fails: one part must not take the others with it, nor fail unseen."""
+    try:
+        return job()
+    except (Cancelled, MemoryError):
+        raise
+    except Exception as error:
+        remarks.append(f"{what} could not be read: {type(error).__name__}: {error}")
+        return None
 
 
 def cyclic_stretches(read: Moments) -> list[Cyclic]:
