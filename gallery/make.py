@@ -25,6 +25,8 @@ from numpy.typing import NDArray
 
 import kinesics as kx
 from kinesics import performer, plotting
+from kinesics.grammar.graph import MotionGraph, State, build
+from kinesics.grammar.graph import Path as GraphPath
 from kinesics.plotting.canvas import INK, figure_bytes
 from kinesics.plotting.similarity_plots import colour_key
 from kinesics.plotting.stick_figures import View
@@ -100,6 +102,66 @@ class Study:
     figures_s: tuple[float, float] | None = None
     """From when to when the stick figures are taken; all of it without."""
     needs_data: bool = True
+    graph: MotionGraph | None = dataclasses.field(default=None, kw_only=True)
+    """What the text draws; None where it gives no graph that could be compared."""
+
+
+def _pair(first: int) -> list[State]:
+    """A chiral state and its mirror image."""
+    return [State(first, mirror_of=first + 1), State(first + 1, mirror_of=first)]
+
+
+def _symmetric_path(number: int, from_: int, to: int, *, reversible: bool = False) -> GraphPath:
+    return GraphPath(number, from_=from_, to=to, reversible=reversible, symmetric=True)
+
+
+def _image_paths(number: int, ends: tuple[int, int], images: tuple[int, int], *, reversible: bool) -> list[GraphPath]:
+    """A path and its mirror image."""
+    return [
+        GraphPath(number, from_=ends[0], to=ends[1], reversible=reversible, mirror_of=number + 1),
+        GraphPath(number + 1, from_=images[0], to=images[1], reversible=reversible, mirror_of=number),
+    ]
+
+
+BUTTERFLY = build([State(0, symmetric=True)], [_symmetric_path(0, 0, 0)])
+JUMPING_JACKS = build([State(0, symmetric=True), State(1, symmetric=True)], [_symmetric_path(0, 0, 1, reversible=True)])
+JOGGING = build([*_pair(0), State(2, symmetric=True)], _image_paths(0, (0, 2), (1, 2), reversible=True))
+WALKING = build(_pair(0), _image_paths(0, (0, 1), (1, 0), reversible=False))
+LIMPING = build([State(0)], [GraphPath(0, from_=0, to=0)])
+SIDE_KICKS = build(
+    [*_pair(0), State(2, symmetric=True)],
+    [*_image_paths(0, (0, 0), (1, 1), reversible=False), *_image_paths(2, (0, 2), (1, 2), reversible=True)],
+)
+SUN_SALUTATION = build(
+    [State(k, symmetric=True) for k in range(5)],  # Y X T W V, as the text meets them
+    [
+        *(_symmetric_path(k, k, k + 1, reversible=True) for k in range(3)),
+        _symmetric_path(3, 0, 0),
+        GraphPath(4, from_=3, to=4),
+        _symmetric_path(5, 4, 4),
+        _symmetric_path(6, 4, 3),
+    ],
+)
+
+
+def _graph_of_the_text(study: Study, m: Measured) -> Iterable[Finding]:
+    """Whether the graph that was read is the one that is drawn in the text, up to names."""
+    if study.graph is None:
+        return
+    read = m.analysis.graph
+    distance = read.edit_distance(study.graph)
+    same = "the same graph" if distance.value == 0 else f"{_counted(distance.value, 'change')} away"
+    shown = f"{_size(read)}: {same}"
+    expected = f"the motion graph of the text: {_size(study.graph)}"
+    yield Finding(expected, shown, distance.value == 0)
+
+
+def _size(graph: MotionGraph) -> str:
+    return f"{_counted(len(graph.states), 'state')}, {_counted(len(graph.paths), 'path')}"
+
+
+def _counted(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"
 
 
 def _clip(path: str, start: int | None = None, end: int | None = None) -> Callable[[Path | None], kx.Motion]:
@@ -244,6 +306,13 @@ def _bassai(m: Measured) -> Iterable[Finding]:
         f"fastest hundredth / median speed = {ratio:.1f}",
         ratio >= 4.0,
     )
+    racemic = m.analysis.graph.racemic()
+    parts = racemic.strongly_connected()
+    yield Finding(
+        "the racemised motion graph is fully connected",
+        f"{len(racemic.states)} states; the largest part in which all reach all has {len(parts[0]) if parts else 0}",
+        len(parts) == 1,
+    )
 
 
 def _butterfly(m: Measured) -> Iterable[Finding]:
@@ -323,6 +392,7 @@ STUDIES = (
         "side",
         (1.7, 3.4),
         needs_data=False,
+        graph=BUTTERFLY,
     ),
     Study(
         "jumping-jacks",
@@ -334,6 +404,7 @@ STUDIES = (
         _jumping_jacks,
         "front",
         (0.0, 1.5),
+        graph=JUMPING_JACKS,
     ),
     Study(
         "jogging",
@@ -351,6 +422,7 @@ STUDIES = (
         "and drifts from stride to stride, so his left side never does quite what his right side did. The next picture "
         "is of another "
         "subject, and is as the text says.",
+        graph=JOGGING,
     ),
     Study(
         "jogging-14",
@@ -362,6 +434,7 @@ STUDIES = (
         _jogging,
         "three-quarter",
         (1.0, 1.8),
+        graph=JOGGING,
     ),
     Study(
         "walking",
@@ -374,6 +447,7 @@ STUDIES = (
         _walking,
         "side",
         (0.3, 1.5),
+        graph=WALKING,
     ),
     Study(
         "limping",
@@ -390,6 +464,7 @@ STUDIES = (
         "those used "
         "here; `kinesics data fetch` gets them.",
         needs_data=False,
+        graph=LIMPING,
     ),
     Study(
         "side-kicks",
@@ -401,6 +476,7 @@ STUDIES = (
         "around the identity axis where the two cross and a white signal is visible.",
         _clip("cmu/135/135_11.amc"),
         _side_kicks,
+        graph=SIDE_KICKS,
     ),
     Study(
         "sun-salutation",
@@ -415,6 +491,7 @@ STUDIES = (
         "side",
         (0.0, 34.0),
         needs_data=False,
+        graph=SUN_SALUTATION,
     ),
     Study(
         "bassai",
@@ -453,6 +530,8 @@ def draw(study: Study, measured: Measured, path: Path) -> None:
         plotting.pooled_similarity(poses, size=480, beta=analysis.beta), ax=place(65, 235, 480, 480)
     )
     square.tick_params(labelsize=9)
+    if analysis.graph.states:
+        plotting.state_margin(square, analysis.graph, fps=motion.fps)
     symmetric = [(r.start, r.end) for r in analysis.symmetric_states]
     path_axes = plotting.composite_plot(
         poses, symmetric=symmetric, title="Ψ (dark to light) and Ψ* (grey)", ax=place(635, 300, 350, 350)
@@ -473,6 +552,16 @@ def draw(study: Study, measured: Measured, path: Path) -> None:
     _save_small(figure, path)
 
 
+def draw_graph(measured: Measured, path: Path) -> None:
+    """The motion graph that was read, a figure in every state."""
+    graph = measured.analysis.graph
+    ax = plotting.graph_plot(graph, figures=plotting.state_moments(graph, measured.analysis.motions))
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    figure.set_dpi(100)
+    _save_small(figure, path)
+
+
 def _save_small(figure: Figure, path: Path) -> None:
     """A PNG of 256 colours: a third of the size, and the eye does not see it."""
     from PIL import Image
@@ -489,6 +578,7 @@ def describe(study: Study, findings: list[Finding]) -> str:
     return (
         f"## {study.title}: {verdict}\n\n{study.section}. Source: {study.source}.\n\n![Z/Z* of "
         f"{study.title.lower()}]({study.name}.png)\n\n"
+        f"![Motion graph of {study.title.lower()}]({study.name}-graph.png)\n\n"
         f"The text: {study.text}\n\n{study.remark and study.remark + chr(10) * 2}| expected | measured | |\n| --- | --- | "
         f"--- |\n{rows}\n"
     )
@@ -501,8 +591,10 @@ they must look like. Each expectation is checked by a number, and where the numb
 
 Left: every pixel compares two moments; red is the same pose (Z), cyan the mirrored pose (Z*), white both, and the identity axis
 runs from the lower left to the upper right. Right: the path in the symmetry basis, symmetric part upwards, antisymmetric part
-across, the mirrored path in grey, symmetric poses in cyan. Distances in the tables are divided by the one at which the picture is
-nearly black (Z = .05): 0 is the same pose, 1 is as unlike as the darker quarter of all pairs.
+across, the mirrored path in grey, symmetric poses in cyan. On the margin: the states of the motion graph where they are met.
+Below: the motion graph that was read, symmetric states on the middle line, a state and its mirror image (starred) on either side;
+it is compared with the one that the text draws, up to names. Distances in the tables are divided by the one at which the picture
+is nearly black (Z = .05): 0 is the same pose, 1 is as unlike as the darker quarter of all pairs.
 
 The bounds in the checks are ours (the dissertation gives no numbers): a line counts as bright up to .2 or .3 of that distance.
 
@@ -531,7 +623,8 @@ def main() -> int:
         # the program's own motions have no file; a title does not need one
         measured = measure(dataclasses.replace(motion, name=study.name))
         draw(study, measured, HERE / f"{study.name}.png")
-        findings = list(study.check(measured))
+        draw_graph(measured, HERE / f"{study.name}-graph.png")
+        findings = [*study.check(measured), *_graph_of_the_text(study, measured)]
         parts.append(describe(study, findings))
         print(f"{study.name}: {sum(f.agrees for f in findings)} of {len(findings)} agree")
         for f in findings:

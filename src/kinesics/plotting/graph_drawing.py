@@ -122,7 +122,7 @@ def graph_plot(
 
 
 def state_moments(graph: MotionGraph, motions: Sequence[Motion]) -> dict[int, Moment]:
-    """For each state the moment that shows it best: the middle of its longest stay, else the first time it is passed.
+    """For each state the moment that shows it best: the middle of its longest stay, else the middle one of its passages.
 
     A state that was never seen, but whose mirror image was, is shown by the mirrored motion; one that was never seen at all is
     left out.
@@ -137,7 +137,7 @@ def state_moments(graph: MotionGraph, motions: Sequence[Motion]) -> dict[int, Mo
         If there are not as many motions as sources, or one has another number of frames.
     """
     _check_motions(graph, motions)
-    seen: dict[int, tuple[int, int]] = {}
+    passages: dict[int, list[tuple[int, int]]] = {}
     for number in range(len(graph.sources)):
         for step in graph.timeline(number):
             for end, frame, known in zip(
@@ -147,7 +147,9 @@ def state_moments(graph: MotionGraph, motions: Sequence[Motion]) -> dict[int, Mo
                 strict=True,
             ):
                 if known:
-                    seen.setdefault(end, (number, frame))
+                    passages.setdefault(end, []).append((number, frame))
+    # the first and the last are often half-hearted
+    seen = {state: met[len(met) // 2] for state, met in passages.items()}
     for state in graph.states:
         if state.stays:
             longest = max(state.stays, key=lambda s: s.end - s.start)
