@@ -63,6 +63,8 @@ PERIODS_OF_HALVES: Final = 1.6
 """or from so many where half a period is an image of the other half."""
 _PERIODS_TOLERANCE: Final = 0.07
 """Of a period: stillness at both ends, and half a moment at each, are not counted."""
+_PERIODS_SPREAD: Final = 0.05
+"""By how much the number of periods may be misjudged, as the scale of a logistic curve."""
 _COVERAGE: Final = 0.6
 """Share of the moving moments that must return a period later;"""
 _COVERAGE_OF_HALVES: Final = 0.75
@@ -245,20 +247,20 @@ def measure(moments: Moments, start: int, end: int) -> Evidence | None:
 
 def is_cyclic(seen: Evidence) -> bool:
     """Whether the movement repeats itself, by the rule of this module."""
+    return cyclic_chance(seen) >= 0.5
+
+
+def cyclic_chance(seen: Evidence) -> float:
+    """How sure it is that the movement repeats itself: ½ at the number of periods that the rule asks for."""
     found = seen.cyclic
     if found is None or found.residuals.period is None or found.coverage < _COVERAGE or found.unity > _UNITY:
-        return False
-    if found.repeats >= PERIODS - _PERIODS_TOLERANCE:
-        return True
-    if (
-        found.repeats < PERIODS_OF_HALVES - _PERIODS_TOLERANCE
-        or found.coverage < _COVERAGE_OF_HALVES
-        or found.residuals.period > _RESIDUAL_OF_HALVES
-    ):
-        return False
-    chances = cyclic_probabilities(found)
-    halves = {c: p for c, p in chances.items() if CYCLIC_SYMMETRIES[c] - {"mirror"}}
-    return sum(halves.values()) > 0.5
+        return 0.0
+    needed = PERIODS
+    if found.coverage >= _COVERAGE_OF_HALVES and found.residuals.period <= _RESIDUAL_OF_HALVES:
+        chances = cyclic_probabilities(found)
+        if sum(p for c, p in chances.items() if CYCLIC_SYMMETRIES[c] - {"mirror"}) > 0.5:
+            needed = PERIODS_OF_HALVES
+    return float(1.0 / (1.0 + np.exp(-min((found.repeats - needed + _PERIODS_TOLERANCE) / _PERIODS_SPREAD, 700.0))))
 
 
 def cyclic_probabilities(found: CyclicEvidence) -> dict[MovementClass, float]:
@@ -343,7 +345,8 @@ def _verdict(
 ) -> Verdict:
     ranked = sorted(chances, key=lambda c: -chances[c])
     best: MovementClass | None = ranked[0]
-    confidence = chances[ranked[0]]
+    repeating = cyclic_chance(seen)
+    confidence = chances[ranked[0]] * (repeating if ranked[0] in FRIEZE_GROUPS else 1.0 - repeating)
     if confidence < _LIKELY:
         reasons.append(
             f"no class stands out: {ranked[0].value} {confidence:.0%}, {ranked[1].value} {chances[ranked[1]]:.0%}"
