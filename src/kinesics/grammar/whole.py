@@ -14,7 +14,7 @@ from typing import Final, TypeVar
 
 from kinesics.body.pose import PoseSequence
 from kinesics.errors import Cancelled
-from kinesics.grammar import assembly, classes, cyclic, moments, motifs, phrases, reading
+from kinesics.grammar import assembly, classes, cyclic, direction, moments, motifs, phrases, reading
 from kinesics.grammar.classes import Verdict
 from kinesics.grammar.cyclic import Cyclic
 from kinesics.grammar.edits import Edits, Phrase
@@ -29,7 +29,7 @@ T = TypeVar("T")
 SURE: Final = 0.6
 """Confidence from which on a cyclic class says what the states of its stretch are;"""
 CYCLES: Final = 3
-"""and so many cycles: what is done twice may be any choreography, and is read like one."""
+"""and so many periods: what is done twice may be any choreography, and is read like one."""
 LEAST_MOMENTS: Final = 6
 """A recording of fewer moments has no phrases, no motifs and no graph."""
 
@@ -110,18 +110,20 @@ def read_grammar(
     def attempt(what: str, job: Callable[[], T]) -> T | None:
         return attempted(remarks, what, job)
 
+    # as it is read, from its beginning or from its end; the motifs take both directions together
+    seen = direction.reversed_moments(read) if direction.from_the_end(read) else read
     report(0.05, "the class of the whole")
-    overall = attempt("The class of the whole", lambda: classes.classify(read))
+    overall = attempt("The class of the whole", lambda: classes.classify(seen))
     report(0.2, "phrases")
-    found = attempt("Phrases", lambda: phrases.find_phrases(read)) or ()
+    found = attempt("Phrases", lambda: phrases.find_phrases(seen)) or ()
     judged: list[JudgedPhrase] = []
     for number, phrase in enumerate(found):
         report(0.3 + 0.15 * number / len(found), "classes of the phrases")
         verdict = overall
         if (phrase.start, phrase.end) != (0, read.count) or verdict is None:
-            judge = partial(classes.classify, read, phrase.start, phrase.end)
+            judge = partial(classes.classify, seen, phrase.start, phrase.end)
             verdict = attempt(f"The class of phrase {number}", judge)
-        judged.append(JudgedPhrase(read.frame_of(phrase.start), read.frame_of(phrase.end), phrase.kind, verdict))
+        judged.append(JudgedPhrase(seen.frame_of(phrase.start), seen.frame_of(phrase.end), phrase.kind, verdict))
 
     def part(start: float, end: float) -> Progress:
         return lambda fraction, message="": report(start + (end - start) * fraction, message)
@@ -134,9 +136,15 @@ def read_grammar(
     report(0.75, "the motion graph")
 
     def read_graph() -> MotionGraph:
-        return assembly.assemble(reading.read(read, _cyclic(read, overall, judged), part(0.75, 1.0)), read, name)
+        states_and_paths = reading.read(seen, _cyclic(seen, overall, judged), part(0.75, 1.0))
+        if seen is not read:
+            states_and_paths = direction.reversed_reading(states_and_paths, read.count)
+        return assembly.assemble(states_and_paths, read, name)
 
     graph = attempt("The motion graph", read_graph) if with_graph else None
+    if seen is not read:
+        overall = None if overall is None else direction.reversed_verdict(overall, read)
+        judged = _turned_round(judged, read)
     if edits is not None:
         judged = _edited_phrases(read, judged, edits, source)
     report(1.0, "grammar read")
@@ -175,13 +183,28 @@ def _structures(read: Moments, candidates: Sequence[tuple[int, int, Verdict | No
     for start, end, verdict in candidates:
         if verdict is None or verdict.class_ is None or verdict.confidence < SURE:
             continue
-        if len(verdict.cycles) < CYCLES or (verdict.repeats or 0.0) < CYCLES:
+        if len(verdict.cycles) < 2 or (verdict.repeats or 0.0) < CYCLES:
             continue
         cuts = [read.moment_of(c.start) for c in verdict.cycles] + [read.moment_of(verdict.cycles[-1].end)]
         found = cyclic.structure(read, start, end, verdict.class_, cuts)
         if found is not None:
             out.append(found)
     return out
+
+
+def _turned_round(judged: Sequence[JudgedPhrase], read: Moments) -> list[JudgedPhrase]:
+    """The phrases of a recording that was read from its end; kinds are numbered in order of appearance again."""
+    kinds: dict[int, int] = {}
+    return [
+        dataclasses.replace(
+            p,
+            start=read.frame_of(read.count - read.moment_of(p.end)),
+            end=read.frame_of(read.count - read.moment_of(p.start)),
+            kind=kinds.setdefault(p.kind, len(kinds)),
+            verdict=None if p.verdict is None else direction.reversed_verdict(p.verdict, read),
+        )
+        for p in reversed(judged)
+    ]
 
 
 def _edited_phrases(read: Moments, judged: Sequence[JudgedPhrase], edits: Edits, source: int) -> list[JudgedPhrase]:
