@@ -43,6 +43,8 @@ SEED_S: Final = 0.8
 """Half the length of the stretch that is looked up first, seconds."""
 LONGEST_S: Final = 20.0
 SHORTEST_S: Final = 0.6
+REST_S: Final = 1.2
+"""A rest of so long is in no motif."""
 FULL_RATE_MOMENTS: Final = 6000
 """Up to so many moments are read one by one, of longer recordings as many as make `kinesics.grammar.phrases.RATE` a second."""
 _RANGE: Final = 1.3
@@ -57,6 +59,8 @@ _EXPLAINED: Final = 0.5
 _TURN_S: Final = (0.4, 0.8, 1.6)
 _TURNING: Final = 0.12
 """Residual up to which a path counts as turning back; up to twice as much where the body stops for it."""
+_MUCH: Final = 0.35
+"""Share of the range of the longest reach that must be passed through within a shorter one to judge by that."""
 _SLOWED: Final = 0.6
 """Share of the speed around, from which down a turning counts as slowed for."""
 _CALM: Final = 0.5
@@ -149,11 +153,12 @@ class _Search:
         floor = _SWAY + _RANGE * moments.noise
         range_ = _RANGE * spread(by_lag, self.half)
         self.range: Array = np.where(range_ > floor, range_, 0.0)
-        self.still = _RANGE * spread(by_lag, max(1, self.half // 2)) <= floor
+        self.still = _RANGE * spread(by_lag, max(1, round(0.5 * REST_S * moments.fps))) <= floor
         finite = by_lag[1:][np.isfinite(by_lag[1:])]
         self.bend = np.float32(
             _BEND * float(np.median(finite[:: max(1, len(finite) // 100_000)])) if len(finite) else 0.0
         )
+        self.short_range = _RANGE * spread(by_lag, self.half // 2)
         self.block: tuple[int, tuple[Floats, Floats] | None] = (0, None)
         self.explained = np.zeros(n, dtype=np.bool_)
         self.way = np.concatenate([[0.0], np.cumsum(_quiet_speed(moments)[1:])])
@@ -208,14 +213,13 @@ class _Search:
                     np.inf if not mirrored or backwards else cost[max(0, i - 2 * half) : i + 2 * half + 1]
                 )
                 share = (cost - self.moments.noise) / size
-                for j in _valleys(share, CHANCE, half)[:_MOST_HITS]:
-                    # of movement of another size the one cannot be the other
-                    if self.range[j] > 0.0:
-                        hits.append((j, bool(mirrored), backwards))
-                        if not mirrored and not backwards:
-                            nearest = min(nearest, abs(j - i))
+                # of movement of another size the one cannot be the other
+                valleys = [j for j in _valleys(share, CHANCE, half) if self.range[j] > 0.0]
+                hits.extend((j, bool(mirrored), backwards) for j in valleys[:_MOST_HITS])
+                if not mirrored and not backwards:
+                    nearest = min((abs(j - i) for j in valleys), default=nearest)
         nearest = min(nearest, self._period_near(i))
-        best: tuple[int, int] | None = None
+        extents: list[tuple[int, int]] = []
         for j, mirrored_, backwards in hits:
             if abs(j - i) < 2:
                 continue
@@ -226,11 +230,18 @@ class _Search:
                 a, b = (a, min(b, middle + 1)) if j > i else (max(a, middle), b)
             a = max(a, self._unexplained(i)[0])
             b = min(b, a + nearest, a + round(LONGEST_S * self.moments.fps))
-            if best is None or b - a > best[1] - best[0]:
-                best = (a, b)
-        if best is None:
+            extents.append((a, b))
+        if not extents:
             return None
-        a, b = self._trimmed(*best)
+        # the stretch that explains most: its length, times how often all of it recurs
+        slack = round(0.1 * self.moments.fps)
+
+        def explains(extent: tuple[int, int]) -> tuple[int, int]:
+            a, b = extent
+            often = sum(c <= a + slack and d >= b - slack for c, d in extents)
+            return (b - a) * (1 + often), a - b
+
+        a, b = self._trimmed(*max(extents, key=explains))
         return (a, b) if b - a >= SHORTEST_S * self.moments.fps else None
 
     def _rows(self, a: int, b: int) -> tuple[Floats, Floats]:
@@ -252,7 +263,7 @@ class _Search:
         if i - half < 0 or i + half >= n:
             return 10**9
         tile = self._rows(i - half, i + half + 1)[0][:, low:high]
-        cost = (self._seed(tile, backwards=False) - self.moments.noise) / max(float(self.range[i]), 1e-12)
+        cost = (self._seed(tile, backwards=False) - self.moments.noise) / max(float(self.short_range[i]), 1e-12)
         best = 10**9
         for side in (cost[i - low :], cost[i - low :: -1]):
             risen = np.maximum.accumulate(np.where(np.isfinite(side), side, 0.0)) > _GAIN
@@ -535,6 +546,8 @@ def find_reversals(moments: Moments) -> tuple[Reversal, ...]:
     least = np.full(2 * n - 1, np.inf)
     judged = np.zeros(2 * n - 1, dtype=np.bool_)
     on = _speed_on_moments(moments)
+    around = _RANGE * spread(by_lag, reaches[-1])
+    widest = 0.5 * (around[places // 2] + around[(places + 1) // 2])
     for reach in reaches:
         range_ = _RANGE * spread(by_lag, reach)
         # a place between two moments has the range of both
@@ -545,8 +558,8 @@ def find_reversals(moments: Moments) -> tuple[Reversal, ...]:
             share = np.maximum(lags.turning(by_lag, reach, bend=bend).costs - moments.noise, 0.0) / size
         share /= _TURNING * (1.0 + np.maximum(1.0 - slow / _SLOWED, 0.0))
         share[(slow >= 1.0) | np.isnan(share)] = np.inf
-        # a longer reach is for where nothing moves within the shorter one
-        here = (size > floor) & ~judged
+        # a longer reach is for where little moves within the shorter one
+        here = (size > np.maximum(floor, _MUCH * widest)) & ~judged
         least[here] = share[here]
         judged |= here
     found = _valleys(least, 1.0, round(2 * _TURNS_APART_S * fps))
