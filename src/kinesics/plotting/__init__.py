@@ -6,6 +6,7 @@
 - curves over time: `speed_plot`, `symmetry_plot`
 - the motion path in the symmetry basis: `subspace_plot` (Figure 9), `composite_plot` (Figure 10)
 - the motion graph: `graph_plot`, `state_moments`, `path_strips`, `state_margin` (Figures 64-71)
+- what recurs: `motif_plot`
 - colours: `PALETTES`; files: `new_figure`, `save_figure`
 
 Every function takes ``ax``; without it a new figure is made that pyplot never hears of, so nothing is left open.
@@ -18,6 +19,7 @@ from kinesics.plotting.canvas import new_figure, save_figure
 from kinesics.plotting.composite import composite_plot, subspace_plot, symmetry_coordinates
 from kinesics.plotting.curves import speed_plot, symmetry_plot
 from kinesics.plotting.graph_drawing import graph_plot, path_strips, state_margin, state_moments
+from kinesics.plotting.motif_rows import motif_plot
 from kinesics.plotting.palettes import PALETTES, Palette, blend
 from kinesics.plotting.pooling import PooledSimilarity, pool_maximum, pooled_similarity
 from kinesics.plotting.similarity_plots import similarity_plot, similarity_triangle
@@ -30,6 +32,7 @@ __all__ = [
     "blend",
     "composite_plot",
     "graph_plot",
+    "motif_plot",
     "new_figure",
     "path_strips",
     "pool_maximum",

@@ -14,9 +14,10 @@ from kinesics.analysis.facts import Overall, Range, Source
 from kinesics.grammar.graph import MotionGraph
 from kinesics.grammar.information import Information
 from kinesics.grammar.notation import pretty_label
+from kinesics.plotting.motif_rows import ranked_stretches
 from kinesics.plotting.similarity_plots import colour_key
 from kinesics.report import words
-from kinesics.report.pictures import Pictures
+from kinesics.report.pictures import MOST_MOTIFS, Pictures
 
 _MOST_ROWS: Final = 200
 _MOST_WORDS: Final = 400
@@ -72,6 +73,7 @@ def report_page(analysis: Analysis, pictures: Pictures, *, palette: str = "thesi
         _picture(pictures.square, "Z/Z*: each pixel compares two moments of the recording."),
         *_motion_graph(analysis, pictures),
         *_cycles(analysis),
+        *_motifs(analysis, pictures),
         "<h2>Speed and symmetry</h2>",
         *(
             _drawing(svg, f"curve{k}", f"Speed and symmetry over time{'' if len(names) == 1 else ': ' + names[k]}.")
@@ -238,6 +240,34 @@ def _cycles(analysis: Analysis) -> list[str]:
         "phase; 0 is an even movement.</p>",
         _more(len(analysis.cycles), "cycles.csv"),
     ]
+
+
+def _motifs(analysis: Analysis, pictures: Pictures) -> list[str]:
+    """Nothing where nothing recurs and nothing strikes."""
+    parts = []
+    if pictures.motifs is not None:
+        stretches = ranked_stretches(analysis.motifs)
+        left_out = len(stretches) - MOST_MOTIFS
+        parts += [
+            "<h2>What recurs</h2>",
+            _drawing(pictures.motifs, "motifs", "Stretches that recur: their poses, and when they come back."),
+            "<p>A row for each stretch that comes back: its poses, lighter as it evolves, and when it is done; framed is the "
+            "one shown. The others have the colour of Z where they are the same, of Z* where they are mirrored, and ← where they "
+            "are done backwards. " + (f"And {left_out} more, in motifs.csv." if left_out > 0 else "") + "</p>",
+        ]
+    found = [
+        (len(analysis.reversals), "turning back on its own path", "turnings back on their own path"),
+        (
+            len(analysis.strikes),
+            "strike (fast movement that stops at once)",
+            "strikes (fast movement that stops at once)",
+        ),
+        (len(analysis.state_repetitions), "pose that is taken again", "poses that are taken again"),
+    ]
+    said = ", ".join(f"{n} {one if n == 1 else many}" for n, one, many in found if n)
+    if said:
+        parts.append(f"<p>{escape(said)}: all in analysis.json.</p>")
+    return parts if pictures.motifs is not None or not parts else ["<h2>What recurs</h2>", *parts]
 
 
 def _more(count: int, file: str) -> str:

@@ -14,6 +14,7 @@ from kinesics.body.pose import PoseSequence
 from kinesics.plotting import (
     composite_plot,
     graph_plot,
+    motif_plot,
     new_figure,
     path_strips,
     pooled_similarity,
@@ -36,6 +37,7 @@ _DPI: Final = 150
 _MOST_FIGURES: Final = 40
 """States that are drawn with a figure each."""
 _MOST_STRIPS: Final = 12
+MOST_MOTIFS: Final = 8
 _KINDS: Final = (
     "#9ecae1",
     "#fdd0a2",
@@ -68,6 +70,8 @@ class Pictures(NamedTuple):
     """SVG, the most frequent paths of the graph as strips of poses; None where there are none."""
     phrases: tuple[bytes, ...]
     """SVG, the phrases over time, one for each source that has some."""
+    motifs: bytes | None
+    """SVG, what recurs, as figures and over time; None where nothing does."""
     curves: tuple[bytes, ...]
     """SVG, speed and symmetry over time, one for each source."""
 
@@ -127,9 +131,14 @@ def draw(analysis: Analysis, *, palette: str = "thesis", progress: Progress | No
         for k in range(len(analysis.sources))
         if any(p.source == k for p in analysis.phrases)
     )
+    motifs = None
+    if analysis.motifs:
+        motifs = figure_bytes(
+            _figure(motif_plot(analysis.motifs, analysis.motions, palette=palette, most=MOST_MOTIFS)), ".svg"
+        )
     report(0.9, "writing the pictures")
     square_file, triangle_file = figure_bytes(square, ".png"), figure_bytes(triangle, ".png")
-    result = Pictures(square_file, triangle_file, graph_file, path_file, strips, phrases, curves)
+    result = Pictures(square_file, triangle_file, graph_file, path_file, strips, phrases, motifs, curves)
     report(1.0, "pictures drawn")
     return result
 

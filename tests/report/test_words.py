@@ -1,0 +1,119 @@
+"""What an analysis says, in words."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import kinesics as kx
+from kinesics.analysis import facts
+from kinesics.report import words
+from kinesics.vocabulary import MovementClass
+
+
+@pytest.fixture(scope="module")
+def jacks() -> kx.Analysis:
+    return kx.analyze(kx.performer.jumping_jacks(seconds=6, fps=60, seed=0).motion)
+
+
+def test_every_class_has_words() -> None:
+    """No class is told by its slug."""
+    assert set(words.CLASSES) == {c.value for c in MovementClass}
+
+
+def test_one_movement_is_told_by_its_class(jacks: kx.Analysis) -> None:
+    """Class, group, period, cycles, how sure."""
+    said = words.headline(jacks, 0)
+    assert said.startswith("Like jumping jacks: cyclic, to and fro, left and right together (p2mm), ")
+    assert "s a cycle" in said
+    assert "cycles; " in said
+    assert "%" in said
+
+
+def test_several_phrases_are_counted_not_summed_up(jacks: kx.Analysis) -> None:
+    """Of three phrases, of which two are of one kind and one is a rest."""
+    whole = replace(jacks.sources[0], overall=facts.Overall(class_="asymmetric", confidence=0.9))
+    phrases = (
+        facts.Phrase(0, 0, 100, 0.0, 1.0, class_="symmetric", kind=0),
+        facts.Phrase(0, 100, 200, 1.0, 2.0, class_="still", kind=1),
+        facts.Phrase(0, 200, 300, 2.0, 3.0, class_="symmetric", kind=0),
+    )
+    said = words.headline(replace(jacks, sources=(whole,), phrases=phrases), 0)
+    assert said == "2 phrases of 1 kind and 1 rest"
+
+
+def test_what_cannot_be_told_says_why() -> None:
+    """The reason, and no class."""
+    judged = facts.Overall(confidence=0.0, reasons=("0.1 s is too short to tell",))
+    assert words.verdict(judged) == "cannot tell: 0.1 s is too short to tell"
+
+
+@pytest.mark.parametrize(
+    ("confidence", "said"),
+    [(1.0, "surely (over 99 %)"), (0.97, "surely (97 %)"), (0.83, "very likely (83 %)"), (0.5, "perhaps (50 %)")],
+)
+def test_nothing_is_ever_wholly_sure(confidence: float, said: str) -> None:
+    """A word and a figure; never 100 %."""
+    assert words.likelihood(confidence) == said
+
+
+def test_refrains_are_folded() -> None:
+    """What comes again and again is said once; a state is held if it is so every time."""
+    assert (
+        words.folded(["A", "ab→", "B", "ba→", "A", "ab→", "B", "ba→", "A", "ab→", "B", "ba→", "A"])
+        == "3 × (A ab→ B ba→) A"
+    )
+    assert words.folded(["A", "ab→", "B…", "←ab", "A…", "ab→", "B…", "←ab", "A"]) == "2 × (A ab→ B… ←ab) A"
+    assert words.folded(["A", "ab→", "B", "bc→", "C"]) == "A ab→ B bc→ C"
+
+
+def _unfolded(text: str) -> list[str]:
+    out: list[str] = []
+    parts = text.split(" ")
+    k = 0
+    while k < len(parts):
+        if k + 1 < len(parts) and parts[k + 1] == "×":
+            end = next(j for j in range(k + 2, len(parts)) if parts[j].endswith(")"))
+            inner = [p.strip("()") for p in parts[k + 2 : end + 1]]
+            out += inner * int(parts[k])
+            k = end + 1
+        else:
+            out.append(parts[k])
+            k += 1
+    return out
+
+
+@given(st.lists(st.sampled_from("abc"), max_size=60))
+def test_folding_loses_nothing(said: list[str]) -> None:
+    """Unfolded again, it is what it was."""
+    assert _unfolded(words.folded(said)) == (said or [""])
+
+
+def test_a_limp_is_noteworthy() -> None:
+    """One side that comes late in every cycle is said, and which; an even walk is not."""
+    even = kx.analyze(kx.performer.walk(seconds=10, fps=60, seed=0).motion)
+    assert not [s for s in words.surprises(even) if "late" in s]
+    late = tuple(replace(c, phase=0.1 + 0.001 * k) for k, c in enumerate(even.cycles))
+    (said,) = [s for s in words.surprises(replace(even, cycles=late)) if "late" in s]
+    assert "the right side comes late by 10% of a cycle" in said
+
+
+def test_strikes_and_differences_of_the_sides_are_noteworthy(jacks: kx.Analysis) -> None:
+    """When, and where."""
+    overall = replace(jacks.overall, bias_degrees={"radius": 31.2, "head": 2.0}, bias_largest_degrees=31.2)
+    changed = replace(
+        jacks,
+        sources=(replace(jacks.sources[0], overall=overall),),
+        strikes=(facts.Strike(0, 60, 1.0, 5.0),),
+    )
+    said = words.surprises(changed)
+    assert any("forearms (31°)" in s for s in said)
+    assert any(s.startswith("1 strike") and "1.0 s" in s for s in said)
+
+
+def test_a_graph_is_counted(jacks: kx.Analysis) -> None:
+    """States, paths, and how many are symmetric or go both ways."""
+    assert words.counted(jacks.graph) == "2 states (2 symmetric), 1 path (1 both ways)"
