@@ -129,12 +129,11 @@ class Strike:
 
 
 def find_motifs(moments: Moments, progress: Progress = silent) -> tuple[Motif, ...]:
-    """All stretches that recur, as sets.
+    """All stretches that recur, as sets, in the order in which they first come up.
 
-    Raises
-    ------
-    kinesics.errors.InputError
-        Never for moments made by `kinesics.grammar.moments`.
+    Parameters
+    ----------
+    progress : told how far the recording is read.
     """
     coarse, step = (moments, 1) if moments.count <= FULL_RATE_MOMENTS else thinned(moments, RATE)
     search = _Search(coarse)

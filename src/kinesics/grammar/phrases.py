@@ -9,7 +9,7 @@ falls to a small part of the lower hill beside it, one phrase ends and another b
 - **Several scales.** Stretches of about 0.8, 1.6 and 3.2 s are compared, so that quick and slow cycles are seen alike.
 - **Against chance.** A path's mean distance is measured against the range of both stretches. Stretches of unrelated movement
   leave about 1, and one in twenty finds somewhere in the neighbourhood a path that leaves .3 to .4; what leaves more than `CHANCE`
-  does not count, and what leaves less counts the more, the less it leaves.
+  does not count, and what leaves less counts the more, the less it leaves. Both halves of a path must be alike.
 - **Stillness is no recurrence.** Both stretches must move by more than a body at rest sways.
 
 The border itself is put where the body is calmest between two hills. What recurs nowhere, between two calm moments, is a phrase
@@ -75,6 +75,7 @@ _SMOOTH_S: Final = 0.3
 _SAMPLES: Final = 8
 """Stretches of each phrase that are looked for in the others."""
 _SEEN_S: Final = 12.0
+"""Of a longer phrase so much, from its middle, is looked for in the others."""
 _KIN: Final = 0.4
 """Mean residual up to which two phrases are of one kind."""
 
