@@ -55,9 +55,7 @@ def longer_limbed(motion: kx.Motion) -> kx.Motion:
     """The same angles on a body with longer arms and legs."""
     skeleton = motion.skeleton
     factors = np.array([TRUNK if k == p else LIMBS for k, p in enumerate(partners(skeleton, None))])
-    ends = tuple(
-        type(e)(e.parent, (factors[e.parent] * np.array(e.offset)).tolist()) for e in skeleton.end_sites
-    )
+    ends = tuple(type(e)(e.parent, (factors[e.parent] * np.array(e.offset)).tolist()) for e in skeleton.end_sites)
     longer = skeleton.replace(offsets=skeleton.offsets * factors[:, None], end_sites=ends)
     translations = motion.joint_translations
     return motion.replace(
