@@ -2,8 +2,9 @@
 
     python benchmarks/bench_classes.py [--json FILE]
 
-No number in the classifier was fitted on the recordings: `fit_classes.py` fits on synthetic performances, under other seeds
-than here. Labels: Bandai-Namco Research Motiondataset (content of the clip), CMU mocap6 (exercise).
+The coefficients of the classifier are fitted on synthetic performances, under other seeds than here, by `fit_classes.py`; where
+the line between symmetric and not lies is a convention stated there, which was set with these labels known.
+Labels: Bandai-Namco Research Motiondataset (content of the clip), CMU mocap6 (exercise).
 """
 
 from __future__ import annotations

@@ -10,7 +10,10 @@ symmetric, so what counts as symmetric is a convention, and this is it, in resid
 - left and right that alternate hold up to about three times what one side leaves from cycle to cycle (plus .02): an unevenness
   within that is the walker's own, beyond it a limp.
 
-    python benchmarks/fit_classes.py [--count 1200] [--cache FILE]
+The numbers of this convention were set with an eye on what people call these movements, the labelled recordings of
+bench_classes.py among them; everything else follows from synthetic performances.
+
+    python benchmarks/fit_classes.py [--count 1500] [--cache FILE]
 
 prints the curves for `kinesics.grammar.classes`.
 """
@@ -229,7 +232,7 @@ def design(rows: list[Row], name: str, cyclic: bool) -> Array:
         if name == "reverse":
             line.append(-np.log((row.turn if row.turn is not None else 1.0) + 0.1))
         out.append(line)
-    return np.array(out)
+    return np.array(out, dtype=np.float64)
 
 
 def fit(rows: list[Row], cyclic: bool) -> tuple[dict[str, Array], float]:
@@ -257,7 +260,7 @@ def fit(rows: list[Row], cyclic: bool) -> tuple[dict[str, Array], float]:
         yes, no = -np.logaddexp(0, -odds), -np.logaddexp(0, odds)
         total = yes @ has.T + no @ (~has).T
         total = total / np.exp(theta[-1]) + (theta[-1 - few : -1] - theta[-1 - few : -1].mean())
-        return total - np.logaddexp.reduce(total, axis=1, keepdims=True)
+        return np.asarray(total - np.logaddexp.reduce(total, axis=1, keepdims=True))
 
     def loss(theta: Array) -> float:
         data = -float(weight @ logs(theta)[np.arange(len(rows)), truth])
@@ -291,7 +294,7 @@ def ece(confidence: Array, right: NDArray[np.bool_], bins: int = 10) -> float:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--count", type=int, default=1200)
+    parser.add_argument("--count", type=int, default=1500)
     parser.add_argument("--cache", type=Path)
     options = parser.parse_args()
     if options.cache and options.cache.exists():

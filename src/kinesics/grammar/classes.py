@@ -5,7 +5,7 @@ A class is a hypothesis with evidence. Each symmetry (M at once, M after half a 
 by how it compares with what the period leaves, for a symmetry cannot hold better than the movement repeats itself. Symmetries
 form groups: a class has the probability that its symmetries hold and the others do not, and the classes that no group allows
 (M and T without MT, say) have none. The few numbers of the curves were fitted on synthetic performances
-(``benchmarks/fit_classes.py``), none on real recordings.
+(``benchmarks/fit_classes.py``, which states by what convention a nearly symmetric movement counts as symmetric).
 
 **Cyclic or made once.** Cyclic from two full periods on. A movement seen a little less long is cyclic too when it is made of
 halves that are images of each other (glide, mirrored reversal, reversal) and at least three halves are seen: from 1.6 periods
@@ -112,32 +112,32 @@ class Curve:
 
 
 CYCLIC_CURVES: Final[Mapping[str, Curve]] = {
-    "mirror": Curve(offset=0.376, residual=0.514, ratio=0.751),
-    "glide": Curve(offset=0.417, residual=2.52, ratio=6.57),
-    "reverse": Curve(offset=-1.29, residual=1.26, ratio=0.827, turn=0.394),
-    "mirror_reverse": Curve(offset=-1.7, residual=1.25, ratio=0.294),
+    "mirror": Curve(offset=0.501, residual=0.379, ratio=0.957),
+    "glide": Curve(offset=0.347, residual=2.44, ratio=6.5),
+    "reverse": Curve(offset=-1.71, residual=1.44, ratio=0.755, turn=0.229),
+    "mirror_reverse": Curve(offset=-1.51, residual=1.2, ratio=0.285),
 }
 SINGLE_CURVES: Final[Mapping[str, Curve]] = {
-    "mirror": Curve(offset=-1.85, residual=1.82),
-    "reverse": Curve(offset=-1.75, residual=1.56, turn=0.219),
-    "mirror_reverse": Curve(offset=-1.89, residual=1.35),
+    "mirror": Curve(offset=-1.34, residual=1.44),
+    "reverse": Curve(offset=-2.04, residual=1.93, turn=0.251),
+    "mirror_reverse": Curve(offset=-1.91, residual=1.25),
 }
-CYCLIC_TEMPERATURE: Final = 0.38
-SINGLE_TEMPERATURE: Final = 0.139
+CYCLIC_TEMPERATURE: Final = 0.376
+SINGLE_TEMPERATURE: Final = 0.152
 """The symmetries of one movement do not err independently: log probabilities are divided by this."""
 LEANINGS: Final[Mapping[MovementClass, float]] = {
-    C.CYCLIC_ASYMMETRIC: -0.37,
-    C.CYCLIC_ANTIPHASE: 0.83,
-    C.CYCLIC_SYMMETRIC: 0.08,
-    C.CYCLIC_PALINDROMIC: 0.11,
-    C.CYCLIC_ANTIPALINDROMIC: -0.05,
-    C.CYCLIC_ANTIPHASE_PALINDROMIC: -0.67,
-    C.CYCLIC_SYMMETRIC_PALINDROMIC: 0.06,
-    C.ASYMMETRIC: 1.04,
-    C.SYMMETRIC: -0.40,
-    C.PALINDROMIC: -0.38,
-    C.ANTIPALINDROMIC: -0.40,
-    C.SYMMETRIC_PALINDROMIC: 0.14,
+    C.CYCLIC_ASYMMETRIC: -0.71,
+    C.CYCLIC_ANTIPHASE: 0.98,
+    C.CYCLIC_SYMMETRIC: 0.15,
+    C.CYCLIC_PALINDROMIC: 0.16,
+    C.CYCLIC_ANTIPALINDROMIC: 0.24,
+    C.CYCLIC_ANTIPHASE_PALINDROMIC: -0.85,
+    C.CYCLIC_SYMMETRIC_PALINDROMIC: 0.04,
+    C.ASYMMETRIC: 1.11,
+    C.SYMMETRIC: -0.36,
+    C.PALINDROMIC: -0.46,
+    C.ANTIPALINDROMIC: -0.44,
+    C.SYMMETRIC_PALINDROMIC: 0.16,
 }
 """Added to the log probability of a class: a reversal leaves over less by chance in some than in others."""
 
