@@ -200,6 +200,16 @@ def test_analyze_leaves_a_report_beside(kinesics: Kinesics, walk: Path, tmp_path
     assert {f"walk.bvh-kinesics/{name}" for name in report.FILES} == files(tmp_path)
 
 
+def test_analyze_says_what_it_is(kinesics: Kinesics, walk: Path) -> None:
+    """Class, period and how sure in words, the motion graph in its notation."""
+    said = kinesics("analyze", walk).out
+    assert "Like walking: cyclic, left and right in turn (p11g), " in said
+    assert "s a cycle" in said
+    assert "%)" in said
+    assert "motion graph: 2 states, 2 paths" in said
+    assert "A aa*₁→ A* (aa*₁)*→" in said
+
+
 def test_analyze_as_json_writes_nothing(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
     """The result alone on stdout, valid by the shipped schema; files only with --out."""
     got = kinesics("analyze", walk, "--json")

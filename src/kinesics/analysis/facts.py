@@ -91,6 +91,9 @@ class Phrase:
     speed_mean: float | None = None
     """Of √(2D)/Δt, 1/s."""
     smoothness: float | None = None
+    """Spectral arc length of the speed curve, negative: the nearer to 0 the smoother (`kinesics.grammar.smoothness`)."""
+    log_dimensionless_jerk: float | None = None
+    """Likewise, by jerk."""
     kind: int | None = None
     """The same number for phrases of one recording that are of the same kind, in order of appearance."""
     repeats: float | None = None

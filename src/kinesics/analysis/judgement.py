@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 
 from kinesics.analysis import facts
 from kinesics.grammar.classes import Verdict
+from kinesics.grammar.moments import Moments
 from kinesics.grammar.motifs import in_frames
-from kinesics.grammar.whole import Grammar
+from kinesics.grammar.smoothness import of_phrase
+from kinesics.grammar.whole import Grammar, JudgedPhrase
 
 Array = NDArray[np.float64]
 
@@ -42,19 +44,24 @@ def phrases(source: int, grammar: Grammar, speed: Array, fps: float) -> tuple[fa
     speed : √(2D)/Δt of each of its frames, shape (frames,).
     fps : frames a second.
     """
-    return tuple(
-        facts.Phrase(
-            source=source,
-            start=phrase.start,
-            end=phrase.end,
-            start_s=phrase.start / fps,
-            end_s=phrase.end / fps,
-            **({} if phrase.verdict is None else _judged(phrase.verdict)),
-            speed_mean=float(speed[phrase.start : phrase.end].mean()),
-            kind=phrase.kind,
-            name=phrase.name,
-        )
-        for phrase in grammar.phrases
+    return tuple(_phrase(source, phrase, grammar.moments, speed, fps) for phrase in grammar.phrases)
+
+
+def _phrase(source: int, phrase: JudgedPhrase, moments: Moments, speed: Array, fps: float) -> facts.Phrase:
+    start = moments.moment_of(phrase.start)
+    smooth = of_phrase(moments, start, max(start + 1, moments.moment_of(phrase.end)))
+    return facts.Phrase(
+        source=source,
+        start=phrase.start,
+        end=phrase.end,
+        start_s=phrase.start / fps,
+        end_s=phrase.end / fps,
+        **({} if phrase.verdict is None else _judged(phrase.verdict)),
+        speed_mean=float(speed[phrase.start : phrase.end].mean()),
+        smoothness=_known(smooth.spectral_arc_length),
+        log_dimensionless_jerk=_known(smooth.log_dimensionless_jerk),
+        kind=phrase.kind,
+        name=phrase.name,
     )
 
 

@@ -192,7 +192,7 @@ def _phrases(analysis: Analysis, pictures: Pictures) -> list[str]:
             f"{p.start_s:.2f}",
             f"{p.end_s:.2f}",
             "" if p.kind is None else str(p.kind + 1),
-            words.short_class(p),
+            (f"{p.name}: " if p.name else "") + words.short_class(p),
             _number(p.period_s),
             _number(p.repeats, places=1),
             "–" if p.class_ is None or p.confidence is None else words.likelihood(p.confidence),
@@ -208,7 +208,9 @@ def _phrases(analysis: Analysis, pictures: Pictures) -> list[str]:
             for k, svg in enumerate(pictures.phrases)
         ),
         "<p>A phrase is a stretch of one kind of movement: what recurs in it does not recur across its borders. Phrases of one "
-        "kind have one number and one colour.</p>",
+        "kind have one number and one colour."
+        + (" Smoothness is negative: the nearer to 0, the smoother." if smooth else "")
+        + "</p>",
         _table(header, rows),
         _more(len(analysis.phrases), "phrases.csv"),
     ]

@@ -146,7 +146,8 @@ def headline(analysis: Analysis, source: int) -> str:
 def phrase_line(analysis: Analysis, number: int) -> str:
     """A phrase in a line: when, and what."""
     phrase = analysis.phrases[number]
-    return f"{phrase.start_s:.1f}-{phrase.end_s:.1f} s  {verdict(phrase)}"
+    name = f"{phrase.name}: " if phrase.name else ""
+    return f"{phrase.start_s:.1f}-{phrase.end_s:.1f} s  {name}{verdict(phrase)}"
 
 
 def counted(graph: MotionGraph) -> str:
