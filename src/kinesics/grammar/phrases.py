@@ -12,8 +12,8 @@ falls to a small part of the lower hill beside it, one phrase ends and another b
   does not count, and what leaves less counts the more, the less it leaves. Both halves of a path must be alike.
 - **Stillness is no recurrence.** Both stretches must move by more than a body at rest sways.
 
-The border itself is put where the body is calmest between two hills. What recurs nowhere, between two calm moments, is a phrase
-made once; a rest is a phrase of its own. Phrases whose movements are found in one another get the same kind, however far
+The border itself is put where the moments before it are nearer to the one hill and those after it to the other. What recurs nowhere,
+between two calm moments, is a phrase made once; a long rest is a phrase of its own. Phrases whose movements are found in one another get the same kind, however far
 apart they are.
 """
 
@@ -73,6 +73,7 @@ _CALM: Final = 0.4
 """A moment is calm whose speed is below this share of that of the liveliest moments on either side of it."""
 _SMOOTH_S: Final = 0.3
 _SAMPLES: Final = 8
+_SEARCHES: Final = 1000
 """Stretches of each phrase that are looked for in the others."""
 _SEEN_S: Final = 12.0
 """Of a longer phrase so much, from its middle, is looked for in the others."""
@@ -558,10 +559,12 @@ def _kinds(coarse: Moments, pieces: list[_Piece]) -> list[int]:
     """Numbers of kinds: pieces whose stretches are found in one another, the same or mirrored, have the same."""
     count = len(pieces)
     apart = np.ones((count, count))
+    # the more phrases there are, the less of each is looked for: time grows with the recording, not with its square
+    samples = int(np.clip(_SEARCHES // count, 2, _SAMPLES))
     starts = np.array([p.start for p in pieces])
     for a, piece in enumerate(pieces):
         if not piece.still:
-            apart[a] = _found(coarse, piece, starts)
+            apart[a] = _found(coarse, piece, starts, samples)
     both = np.maximum(apart, apart.T)
     rests = [k for k, p in enumerate(pieces) if p.still]
     both[rests] = both[:, rests] = 2.0
@@ -581,16 +584,16 @@ def _kinds(coarse: Moments, pieces: list[_Piece]) -> list[int]:
     return [numbers.setdefault(int(g), len(numbers)) for g in groups]
 
 
-def _found(coarse: Moments, piece: _Piece, starts: NDArray[np.intp]) -> Array:
+def _found(coarse: Moments, piece: _Piece, starts: NDArray[np.intp], samples: int = _SAMPLES) -> Array:
     """How much is left over when stretches of a piece are looked for in each of the pieces, mean, shape (pieces,)."""
     n = coarse.count
     half = max(2, min(round(SCALES_S[1] * coarse.fps), (piece.end - piece.start - 1) // 2))
     # of a long piece the middle stands for it
-    spare = max(0, (piece.end - piece.start - round(_SEEN_S * coarse.fps)) // 2)
+    spare = max(0, (piece.end - piece.start - round(_SEEN_S * samples / _SAMPLES * coarse.fps)) // 2)
     first, last = max(0, piece.start + spare), min(n, piece.end - spare)
     if last - first < 2 * half + 1:
         return np.ones(len(starts))
-    centres = np.unique(np.linspace(half, last - first - 1 - half, _SAMPLES).round().astype(np.intp))
+    centres = np.unique(np.linspace(half, last - first - 1 - half, samples).round().astype(np.intp))
     rows = centres[:, None] + np.arange(-half, half + 1)
     own = coarse.tile(slice(first, last), slice(first, last))[0]
     spans = _RANGE * np.array([float(own[np.ix_(r, r)].mean()) for r in rows])
