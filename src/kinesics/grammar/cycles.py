@@ -15,12 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.geometry import quaternion
+from kinesics.grammar.lags import bend_cost, follow
 from kinesics.grammar.moments import Moments
 from kinesics.vocabulary import LINKS
 
 Array = NDArray[np.float64]
 Distances = NDArray[Any]
 
+_BACKWARDS_BAND: Final = 0.15
 PHASES: Final = 48
 """Moments at which a cycle is sampled to compare its sides."""
 _ALIKE: Final = 0.5
@@ -147,7 +149,31 @@ def find(
                 share,
             )
         )
-    return tuple(found), float((fine[returns] if returns.any() else fine).mean()) / moments.fps
+    forwards = float((fine[returns] if returns.any() else fine).mean())
+    backwards = _period_backwards(by_lag, lags, returns)
+    period = forwards if backwards is None else 0.5 * (forwards + backwards)
+    return tuple(found), period / moments.fps
+
+
+def _period_backwards(by_lag: Distances, lags: NDArray[np.intp], returns: NDArray[np.bool_]) -> float | None:
+    """The period read from the end towards the beginning.
+
+    A path ends a little before the last return it could show; read both ways, a short recording has the same period as its
+    reverse.
+    """
+    n = by_lag.shape[1]
+    near = by_lag[: int(1.3 * lags.max()) + 4]
+    turned = np.full_like(near, np.inf)
+    for k in range(len(near)):
+        turned[k, : n - k] = near[k, : n - k][::-1]
+    path = follow(turned, float(np.median(lags)), bend=bend_cost(near), band=_BACKWARDS_BAND)
+    if path is None:
+        return None
+    first = n - 1 - np.arange(len(path.lags)) - path.lags  # the earlier moment of each pair
+    known = first < len(returns)
+    keep = np.where(known, returns[np.minimum(first, len(returns) - 1)], bool(returns[-1]))
+    fine = fractional_lags(turned, path.lags)
+    return float(fine[keep].mean()) if keep.any() else None
 
 
 def stability(cycles: tuple[Cycle, ...], residual: float | None) -> Stability | None:
