@@ -114,8 +114,9 @@ def _paths(read: Reading, moments: Moments, frames: Mapping[_Number, Occurrence]
         ways += [(("lead", n), t) for n, t in read.leads.items()]
         ways += [(("tail", n), t) for n, t in read.tails.items()]
         taken = [(n, t) for n, t in ways if t.path == k and n in frames]
-        first = taken[0][1]
-        mirror_cost, mirror_reverse_cost = _reading.self_symmetry(moments, first.start, first.end)
+        # of all traversals, not of the first one: which one is first depends on the direction of time
+        whole = [t for (kind, _), t in taken if kind == "way"] or [t for _, t in taken]
+        mirror_cost, mirror_reverse_cost = _reading.self_symmetry(moments, [(t.start, t.end) for t in whole])
         ends_symmetric = read.states[path.from_[0]].symmetric and read.states[path.to[0]].symmetric
         symmetric = (
             path.symmetric if path.symmetric is not None else ends_symmetric and mirror_cost < read.nearness.path

@@ -660,11 +660,14 @@ def held(moments: Moments, reading: Reading) -> list[tuple[int, int] | None]:
     return out
 
 
-def self_symmetry(moments: Moments, start: int, end: int) -> tuple[float, float]:
-    """Mean distance of a stretch from its mirror image, and from its mirror image played backwards (warped)."""
-    points = np.linspace(start, end, _POINTS).round().astype(np.intp)
-    s = _between(moments, points, points)[1]
-    return float(np.diagonal(s).mean()), float(_warped(s[None, :, ::-1])[0])
+def self_symmetry(moments: Moments, stretches: Sequence[tuple[int, int]]) -> tuple[float, float]:
+    """Mean distance of stretches from their mirror images, and from their mirror images played backwards (warped)."""
+    blocks = []
+    for start, end in stretches:
+        points = np.linspace(start, end, _POINTS).round().astype(np.intp)
+        blocks.append(_between(moments, points, points)[1])
+    s = np.stack(blocks)
+    return float(np.diagonal(s, axis1=1, axis2=2).mean()), float(_warped(s[:, :, ::-1]).mean())
 
 
 def _shadows(moments: Moments, states: Sequence[ReadState], visits: Sequence[Visit], near: Nearness) -> set[int]:
