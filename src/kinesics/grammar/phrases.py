@@ -12,9 +12,9 @@ falls to a small part of the lower hill beside it, one phrase ends and another b
   does not count, and what leaves less counts the more, the less it leaves. Both halves of a path must be alike.
 - **Stillness is no recurrence.** Both stretches must move by more than a body at rest sways.
 
-The border itself is put where the moments before it are nearer to the one hill and those after it to the other. What recurs nowhere,
-between two calm moments, is a phrase made once; a long rest is a phrase of its own. Phrases whose movements are found in one another get the same kind, however far
-apart they are.
+The border itself is put where the moments before it are nearer to the one hill and those after it to the other. What recurs
+nowhere, between two calm moments, is a phrase made once; a long rest is a phrase of its own. Phrases whose movements are found
+in one another get the same kind, however far apart they are.
 """
 
 from __future__ import annotations
