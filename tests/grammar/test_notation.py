@@ -10,7 +10,7 @@ import pytest
 import kinesics.performer as performer
 from kinesics.errors import InputError
 from kinesics.grammar import notation
-from kinesics.grammar.graph import MotionGraph, Path, State
+from kinesics.grammar.graph import MotionGraph, Occurrence, Path, Source, State, build
 from motion_graphs import graph_of, random_graph
 
 
@@ -124,6 +124,22 @@ def test_a_sentence_for_people() -> None:
     """States between arrows, each once; what is held has an ellipsis."""
     assert graph_of(performer.sway().truth).pretty() == "A… ax₁→ X̄ ←(ax₁)* A*…"
     assert graph_of(performer.bow().truth).pretty() == "X̄… x̄ȳ₁→ Ȳ ←x̄ȳ₁ X̄…"
+
+
+def test_where_a_recording_begins_and_ends_on_the_way_is_shown() -> None:
+    """The state that it does not reach is not said."""
+    cut = build(
+        [State(0, symmetric=True), State(1, symmetric=True)],
+        [
+            Path(
+                0, from_=0, to=1, occurrences=(Occurrence(0, 0, 5, False, False), Occurrence(0, 10, 15, False, False))
+            ),
+            Path(1, from_=1, to=0, occurrences=(Occurrence(0, 5, 10),)),
+        ],
+        [Source("cut", 15, 30.0)],
+    )
+    assert cut.notation() == "..yx_1 xy_1 yx_1.."
+    assert cut.pretty() == "..yx₁→ X̄ xy₁→ Ȳ yx₁→.."
 
 
 @pytest.mark.parametrize(

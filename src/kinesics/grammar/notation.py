@@ -252,10 +252,15 @@ def pretty(graph: MotionGraph, source: int | None = None) -> str:
                 said.append(pretty_label(graph.state(enters).label) + "…")
                 here = enters
                 continue
-            if here != enters:
-                said.append(pretty_label(graph.state(enters).label))
             name = pretty_label(graph.path(step.path).label)
-            said += [f"←{name}" if step.reversed else f"{name}→", pretty_label(graph.state(leaves).label)]
+            word = f"←{name}" if step.reversed else f"{name}→"
+            # a state that the recording does not reach, or did not begin in, is not said
+            entered, left = step.complete or step.start > 0, step.complete or step.end < graph.sources[number].frames
+            if here != enters and entered:
+                said.append(pretty_label(graph.state(enters).label))
+            said.append(CUT * (not entered) + word + CUT * (not left))
+            if left:
+                said.append(pretty_label(graph.state(leaves).label))
             here = leaves
         lines.append(_held_once(said))
     return "\n".join(lines)
