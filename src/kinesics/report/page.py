@@ -301,7 +301,7 @@ def _motion_graph(analysis: Analysis, pictures: Pictures) -> list[str]:
         parts.append(f'<p class="sentence">{name}{escape(short)}</p>')
     parts.append(
         '<p class="small">So it reads: states, and the paths between them; ← before a path that is done backwards, … after '
-        "a pose that is held, n × (…) for what comes n times.</p>"
+        "a pose that is held, .. where the recording begins or ends on the way, n × (…) for what comes n times.</p>"
     )
     if pictures.strips is not None:
         parts.append(_drawing(pictures.strips, "strips", "Paths as strips of poses that lighten as the path evolves."))
