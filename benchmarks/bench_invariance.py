@@ -129,10 +129,11 @@ def compare(name: str, motion: kx.Motion) -> Iterator[Outcome]:
             continue
         read = Read.of(change.recording(motion))
         periods = (base.period, read.period)
-        if None in periods:
-            same_period = periods == (None, None)
-        else:
-            same_period = abs(periods[0] / periods[1] - 1.0) <= PERIOD  # type: ignore[operator]
+        same_period = (
+            periods == (None, None)
+            if base.period is None or read.period is None
+            else abs(base.period / read.period - 1.0) <= PERIOD
+        )
         same = contracted = base.graph is read.graph
         apart = ""
         if base.graph is not None and read.graph is not None:
