@@ -195,6 +195,35 @@ def test_coordinates_do_not_depend_on_the_signs_of_quaternions(rng: np.random.Ge
     np.testing.assert_allclose(a.antisymmetric, b.antisymmetric, atol=1e-9)
 
 
+def test_a_node_on_the_floor_that_stays_behind_is_no_bone() -> None:
+    """A rig may hang the pelvis on a node that the body walks away from: the figure is the same as without it."""
+    from kinesics.body.skeleton import EndSite
+    from kinesics.geometry import quaternion
+    from kinesics.plotting.stick_figures import compute_strokes
+
+    motion = bodies.legs_striding(20)
+    bare = motion.skeleton
+    skeleton = bare.replace(
+        joint_names=("Floor", *bare.joint_names),
+        parents=(-1, *(p + 1 for p in bare.parents)),
+        offsets=np.concatenate([np.zeros((1, 3)), bare.offsets]),
+        freedoms=(),
+        end_sites=tuple(EndSite(e.parent + 1, e.offset) for e in bare.end_sites),
+    )
+    walk = np.zeros((20, skeleton.joint_count, 3))
+    walk[:] = skeleton.offsets
+    walk[:, 1] = motion.root_positions + np.linspace(0.0, 9.0, 20)[:, None] * np.array([0.0, 0.0, 1.0])
+    rigged = motion.replace(
+        skeleton=skeleton,
+        rotations=np.concatenate([quaternion.identity((20, 1)), motion.rotations], axis=1),
+        root_positions=np.zeros((20, 3)),
+        joint_translations=walk,
+    )
+    a, b = compute_strokes(motion, [3, 19]), compute_strokes(rigged, [3, 19])
+    assert a.segments.shape == b.segments.shape
+    np.testing.assert_allclose(a.segments, b.segments, atol=1e-9)
+
+
 def test_a_figure_faces_one_way_whatever_its_heading() -> None:
     """Turned about gravity and carried elsewhere, the same body gives the same drawing (§2.8)."""
     from kinesics.geometry import quaternion

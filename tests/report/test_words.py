@@ -51,6 +51,12 @@ def test_what_cannot_be_told_says_why() -> None:
     assert words.verdict(judged) == "cannot tell: 0.1 s is too short to tell"
 
 
+def test_reasons_name_classes_in_words() -> None:
+    """Longer names first: a cyclic class is not taken for the one its name ends in."""
+    assert words.reason("it would read as cyclic-palindromic") == "it would read as “cyclic, to and fro”"
+    assert words.reason("stilling") == "stilling"
+
+
 @pytest.mark.parametrize(
     ("confidence", "said"),
     [(1.0, "surely (over 99 %)"), (0.97, "surely (97 %)"), (0.83, "very likely (83 %)"), (0.5, "perhaps (50 %)")],

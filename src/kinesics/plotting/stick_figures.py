@@ -165,7 +165,9 @@ def compute_strokes(motion: Motion, frames: ArrayLike, *, view: View = "three-qu
     up = np.cos(elevation) * points[..., 1] - np.sin(elevation) * towards
     flat = np.stack([across, up], axis=-1)
     sides = _sides(skeleton, body)
-    ends = [j for j in range(len(parents)) if parents[j] >= 0]
+    # what leads to the pelvis is no bone: a rig's node on the floor may stay behind while the body walks away
+    outside: set[int] = set() if body is None else _ancestors(skeleton, body.pelvis)
+    ends = [j for j in range(len(parents)) if parents[j] >= 0 and j not in outside]
     starts = [parents[j] for j in ends]
     fine = _beyond_hands_and_feet(skeleton, body)
     head = _head(skeleton, body)
@@ -209,6 +211,15 @@ def _tips(motion: Motion) -> tuple[Array, list[int]]:
         for site in skeleton.end_sites
     ]
     return np.concatenate([where.positions, *(s[:, None] for s in sites)], axis=1), parents
+
+
+def _ancestors(skeleton: Skeleton, joint: int) -> set[int]:
+    """The joint and what it hangs on."""
+    out: set[int] = set()
+    while joint >= 0:
+        out.add(joint)
+        joint = skeleton.parents[joint]
+    return out
 
 
 def _descendants(skeleton: Skeleton, roots: Sequence[int | None]) -> list[bool]:

@@ -38,9 +38,9 @@ figure img, figure svg { display: block; width: 100%; height: auto; }
 figure.narrow { max-width: 36rem; }
 figcaption { color: #555; font-size: .9rem; margin-top: .5rem; }
 table { border-collapse: collapse; font-size: .9rem; font-variant-numeric: tabular-nums; }
-th, td { text-align: left; padding: .25rem 1.2rem .25rem 0; border-bottom: 1px solid #eee; vertical-align: top;
+th, td { text-align: left; padding: .25rem 1rem .25rem 0; border-bottom: 1px solid #eee; vertical-align: top;
   overflow-wrap: anywhere; }
-th { color: #555; font-weight: 600; }
+th { color: #555; font-weight: 600; overflow-wrap: normal; }
 td.number, th.number { text-align: right; }
 ul { padding-left: 1.2rem; }
 li.warning { color: #8a3b00; }
@@ -148,7 +148,7 @@ def _what_it_is(analysis: Analysis) -> list[str]:
         if judged.runner_up is not None:
             said += f" Second likeliest: {words.CLASSES[judged.runner_up][0]}."
         parts.append(f"<p>{escape(said)}</p>")
-        parts.extend(f"<p>{escape(reason[0].upper() + reason[1:])}.</p>" for reason in judged.reasons)
+        parts.extend(f"<p>{escape(said[0].upper() + said[1:])}.</p>" for said in map(words.reason, judged.reasons))
         parts.append(_residuals(judged))
     noteworthy = "".join(f"<li>{escape(s[0].upper() + s[1:])}.</li>" for s in words.surprises(analysis))
     if noteworthy:
@@ -288,7 +288,7 @@ def _motion_graph(analysis: Analysis, pictures: Pictures) -> list[str]:
         return []
     parts = [
         "<h2>The motion graph</h2>",
-        _drawing(pictures.graph, "graph", "The motion graph: states and the paths between them."),
+        _drawing(pictures.graph, "graph", "The motion graph: states and the paths between them.", kind="natural"),
         "<p>A circle is a pose that returns, is held, is turned back in or branched from; an arrow is a movement from one "
         "to another, with two heads where it is done in both directions. Symmetric poses, under a bar, stand on the middle "
         "line; a pose and its mirror image (starred) face each other across it.</p>",
@@ -304,7 +304,11 @@ def _motion_graph(analysis: Analysis, pictures: Pictures) -> list[str]:
         "a pose that is held, .. where the recording begins or ends on the way, n × (…) for what comes n times.</p>"
     )
     if pictures.strips is not None:
-        parts.append(_drawing(pictures.strips, "strips", "Paths as strips of poses that lighten as the path evolves."))
+        parts.append(
+            _drawing(
+                pictures.strips, "strips", "Paths as strips of poses that lighten as the path evolves.", kind="natural"
+            )
+        )
     parts.append(_information(graph.information()))
     return parts
 
@@ -314,7 +318,7 @@ def _shape(graph: MotionGraph) -> str:
     ends = [pretty_label(graph.state(s).label) for s in graph.dead_ends()]
     if ends and len(graph.states) > 1:
         return f"No path leads on from {', '.join(ends)}."
-    if len(graph.strongly_connected()) == 1:
+    if len(graph.states) > 1 and len(graph.strongly_connected()) == 1:
         return "From every state one can go on to every other."
     return ""
 
@@ -411,15 +415,22 @@ def _picture(png: bytes, words: str, caption: str = "") -> str:
 
 
 def _drawing(svg: bytes, prefix: str, words: str, *, kind: str = "wide") -> str:
-    """An SVG file as part of the page: its ids are made its own, for ids are shared by a whole page."""
+    """An SVG file as part of the page: its ids are made its own, for ids are shared by a whole page.
+
+    Parameters
+    ----------
+    kind : "wide" as the page, "narrow", or "natural" as it was drawn where the page is wide enough.
+    """
     text = svg.decode()
     text = text[text.index("<svg") :]
     text = re.sub(r'\bid="', f'id="{prefix}-', text)
     text = re.sub(r'(href="#|url\(#)', rf"\g<1>{prefix}-", text)
     # width and height in points would hold the drawing at one size; the viewBox is there
     head, tail = text.split(">", 1)
+    natural = re.search(r'\swidth="([0-9.]+pt)"', head)
+    style = f' style="max-width: {natural.group(1)}"' if kind == "natural" and natural else ""
     head = re.sub(r'\s(width|height)="[^"]*"', "", head)
-    return f'<figure class="{kind}" role="img" aria-label="{escape(words)}">{head}>{tail}</figure>'
+    return f'<figure class="{kind}"{style} role="img" aria-label="{escape(words)}">{head}>{tail}</figure>'
 
 
 def _table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

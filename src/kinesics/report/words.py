@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import Final
 
@@ -62,6 +63,8 @@ _LIKE: Final = {
     "cyclic-symmetric-palindromic": "jumping jacks",
 }
 
+_SLUG: Final = re.compile(r"(?<![\w-])(?:" + "|".join(sorted(CLASSES, key=len, reverse=True)) + r")(?![\w-])")
+
 RESIDUALS: Final[tuple[tuple[str, str], ...]] = (
     ("period", "a cycle later"),
     ("mirror", "its mirror image, at once"),
@@ -104,6 +107,11 @@ def likelihood(confidence: float) -> str:
     return f"{word} ({figure})"
 
 
+def reason(text: str) -> str:
+    """A reason of a verdict with the names of classes in words."""
+    return _SLUG.sub(lambda found: f"“{CLASSES[found.group()][0]}”", text)
+
+
 def short_class(judged: Overall | Phrase) -> str:
     """The class in a few words with its frieze group; "cannot tell" where there is none."""
     if judged.class_ is None:
@@ -115,7 +123,7 @@ def short_class(judged: Overall | Phrase) -> str:
 def verdict(judged: Overall | Phrase) -> str:
     """What a movement is, in a line: class, period, how many cycles, how sure."""
     if judged.class_ is None:
-        return "cannot tell" + (f": {judged.reasons[0]}" if judged.reasons else "")
+        return "cannot tell" + (f": {reason(judged.reasons[0])}" if judged.reasons else "")
     parts = [short_class(judged)]
     if judged.period_s is not None:
         parts.append(f"{judged.period_s:.2f} s a cycle")
