@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shlex
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -31,11 +32,12 @@ def test_there_is_something_to_run() -> None:
 
 
 def test_python_blocks_run_one_after_another(folder: Path) -> None:
-    """As one reads them, in one session."""
-    session: dict[str, object] = {}
-    for language, code in BLOCKS:
-        if language == "python":
-            exec(compile(code, "README.md", "exec"), session)
+    """As one reads them, in one session; and again the next day, in the same folder."""
+    for _ in range(2):
+        session: dict[str, object] = {}
+        for language, code in BLOCKS:
+            if language == "python":
+                exec(compile(code, "README.md", "exec"), session)
     assert (folder / "walk" / "report.html").exists()
     assert (folder / "triangle.png").exists()
 
@@ -66,6 +68,22 @@ def test_every_make_target_that_is_named_exists() -> None:
     for page in ROOT.glob("*.md"):
         named = set(re.findall(r"(?:`|\$ )make ([a-z-]+)", page.read_text(encoding="utf-8")))
         assert named <= targets, page.name
+
+
+def test_the_rules_of_who_may_call_whom_name_every_room() -> None:
+    """No room is forgotten: the oracle is closed to all but the command line, and knows none that analyses."""
+    with (ROOT / "pyproject.toml").open("rb") as file:
+        contracts = tomllib.load(file)["tool"]["importlinter"]["contracts"]
+    layers, oracle, performer = contracts
+    rooms = {p.parent.name for p in (ROOT / "src" / "kinesics").glob("*/__init__.py")}
+    named = {name for layer in layers["layers"] for name in layer.split(" | ")}
+    assert rooms <= named
+    assert set(oracle["source_modules"]) == {f"kinesics.{r}" for r in rooms - {"cli", "performer"}}
+    # report and plotting stand above the performer already
+    above = {"cli", "report", "plotting"}
+    assert set(performer["forbidden_modules"]) == {
+        f"kinesics.{r}" for r in rooms - above - {"performer", "body", "geometry"}
+    }
 
 
 def test_the_version_is_the_same_everywhere() -> None:
