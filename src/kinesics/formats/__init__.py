@@ -90,7 +90,7 @@ def read(
         If an argument cannot be used.
     """
     if fps is not None and not (np.isfinite(fps) and fps > 0):
-        raise InputError(f"Expected `fps` above 0, got {fps}.")
+        raise InputError(f"Expected a frame rate (--fps, `fps`) above 0, got {fps}.")
     path = _as_path(path)
     options = ReadOptions(None if skeleton is None else _as_path(skeleton), unit, up, fps, keep_first_frame)
     head = load(path, HEAD_BYTES)
@@ -101,12 +101,20 @@ def read(
     source = Source(format=chosen.name, file_name=path.name, sha256=hashlib.sha256(raw).hexdigest())
     motion = _to_metres_and_y_up(recording, source, options, path)
     if mapping:
-        return anatomy.understood(motion, _as_mapping(mapping))
+        return _stated(anatomy.understood(motion, _as_mapping(mapping)))
     # found once on the whole recording, the body's frames are the same for every slice of it; a skeleton that is no human
     # body is still a recording, and `kinesics.poses` will say what is missing
     with contextlib.suppress(SkeletonError):
-        motion = anatomy.understood(motion)
+        motion = _stated(anatomy.understood(motion))
     return motion
+
+
+def _stated(motion: Motion) -> Motion:
+    """With what was assumed of the body among what was assumed of the file."""
+    body = motion.skeleton.anatomy
+    if body is None:
+        return motion
+    return motion.replace(assumptions=(*motion.assumptions, *body.assumptions))
 
 
 def write(motion: Motion, path: str | PathLike[str], *, overwrite: bool = False) -> tuple[str, ...]:
@@ -137,7 +145,8 @@ def write(motion: Motion, path: str | PathLike[str], *, overwrite: bool = False)
         there = [p.name for p, _ in written.files if p.exists()]
         if there:
             raise InputError(
-                f"'{there[0]}' is there already, in '{path.parent}'; nothing was written. Give another name, or overwrite=True."
+                f"'{there[0]}' is there already, in '{path.parent}'; nothing was written. Give another name, or say that it "
+                "may be replaced (--overwrite, overwrite=True)."
             )
     _put_down(written)
     return written.remarks

@@ -409,7 +409,7 @@ def _find_asf(path: Path, assumptions: list[str]) -> Path:
     raise FileError(
         path,
         f"An .amc needs its skeleton: expected {' or '.join(wanted)}, {found}.",
-        hint="Give it with skeleton= (--skeleton on the command line).",
+        hint="Give it (--skeleton, skeleton=).",
     )
 
 

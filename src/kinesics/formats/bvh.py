@@ -322,7 +322,7 @@ def _read_motion(file: text.TextFile, position: int, tree: _Hierarchy, options: 
     if options.fps is not None:
         fps = options.fps
     elif frame_time is None:
-        file.fail("Expected a line 'Frame Time:' after MOTION.", offset=position, hint="Give the frame rate with fps=.")
+        file.fail("Expected a line 'Frame Time:' after MOTION.", offset=position, hint="Give the frame rate (--fps, fps=).")
     else:
         fps, said = _frame_rate(file, frame_time, frame_time_line)
         tree.assumptions.extend(said)
@@ -364,7 +364,7 @@ def _frame_rate(file: text.TextFile, word: str, line: int) -> tuple[float, list[
     except ValueError:
         file.fail(f"Expected seconds after 'Frame Time:': {text.why_not_a_number(word)}", line=line)
     if not 1e-5 <= seconds <= 1e4:
-        file.fail(f"A frame time of {word} s cannot be.", line=line, hint="Give the frame rate with fps=.")
+        file.fail(f"A frame time of {word} s cannot be.", line=line, hint="Give the frame rate (--fps, fps=).")
     mantissa, _, exponent = word.lower().partition("e")
     last_place = 10.0 ** (int(exponent or 0) - len(mantissa.partition(".")[2]))
     fps = 1.0 / seconds
