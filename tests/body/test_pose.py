@@ -89,6 +89,22 @@ def test_slices_and_bad_shapes(rng: np.random.Generator) -> None:
         pose.PoseSequence(np.full((1, 15, 4), np.nan), np.zeros(1), np.zeros((1, 2)), 30.0)
 
 
+def test_one_index_gives_one_frame(rng: np.random.Generator) -> None:
+    """As with a motion: from either end, by a number of NumPy's too; what is not there is an IndexError or named."""
+    path = pose.PoseSequence(random_poses(rng, 12), np.arange(12.0), np.zeros((12, 2)), 30.0)
+    for index in (5, -7, np.int64(5)):
+        one = path[index]
+        assert (len(one), one.fps) == (1, 30.0)
+        assert one.yaw.tolist() == [5.0]
+        np.testing.assert_array_equal(one.quaternions, path.quaternions[5:6])
+    for missing in (12, -13):
+        with pytest.raises(IndexError, match=f"Frame {missing} of a path of 12 frames"):
+            path[missing]
+    with pytest.raises(InputError, match=r"No frame is left of 12 by \[9:3\]"):
+        path[9:3]
+    assert [float(one.yaw[0]) for one in path] == list(range(12))
+
+
 def test_yaw_is_carried_where_it_has_no_meaning(rng: np.random.Generator) -> None:
     """Through a moment upside down the heading is the last one, and it is flagged."""
     values = pose._carry(np.array([5.0, 1.0, 0.0, 0.0, 2.0]), np.array([True, False, True, True, False]))

@@ -7,8 +7,9 @@ metres, seconds. Frames count from 0; ranges are [start, end).
 from __future__ import annotations
 
 import dataclasses
+import operator
 from dataclasses import dataclass, field
-from typing import overload
+from typing import SupportsIndex, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -135,19 +136,22 @@ class Motion:
     @overload
     def __getitem__(self, item: slice) -> Motion: ...
     @overload
-    def __getitem__(self, item: int) -> Motion: ...
-    def __getitem__(self, item: slice | int) -> Motion:
+    def __getitem__(self, item: SupportsIndex) -> Motion: ...
+    def __getitem__(self, item: slice | SupportsIndex) -> Motion:
         """Frames ``[start:end]`` as a motion of its own; a step divides the frame rate; one index gives one frame.
 
         Raises
         ------
         InputError
             If no frame is left, or the step is negative (`reverse` plays backwards).
+        IndexError
+            If there is no such frame.
         """
-        if isinstance(item, int):
-            index = item + self.frame_count if item < 0 else item
+        if not isinstance(item, slice):
+            wanted = operator.index(item)
+            index = wanted + self.frame_count if wanted < 0 else wanted
             if not 0 <= index < self.frame_count:
-                raise IndexError(f"Frame {item} of a motion of {self.frame_count} frames.")
+                raise IndexError(f"Frame {wanted} of a motion of {self.frame_count} frames.")
             item = slice(index, index + 1)
         start, stop, step = item.indices(self.frame_count)
         if step < 0:

@@ -6,9 +6,10 @@
 from __future__ import annotations
 
 import dataclasses
+import operator
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, SupportsIndex, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -55,7 +56,7 @@ class PoseSequence:
     yaw_undefined: NDArray[np.bool_] | None = None
     """True where the body is so nearly upside down that yaw has no meaning; the last heading is carried. Shape (frames,)."""
     profile: str = ""
-    """How the skeleton was mapped onto the 15 links; D between poses of different ``comparable`` rules means little."""
+    """How the skeleton was mapped onto the 15 links; D between differently mapped bodies is less exact."""
     assumptions: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -92,8 +93,28 @@ class PoseSequence:
         """Direction of gravity in the frame of the pelvis, unit vectors, shape (frames, 3): (0, −1, 0) standing."""
         return gravity(self.quaternions)
 
-    def __getitem__(self, item: slice) -> PoseSequence:
-        """Frames ``[start:end]``; a step divides the frame rate; a negative step plays backwards."""
+    @overload
+    def __getitem__(self, item: slice) -> PoseSequence: ...
+    @overload
+    def __getitem__(self, item: SupportsIndex) -> PoseSequence: ...
+    def __getitem__(self, item: slice | SupportsIndex) -> PoseSequence:
+        """Frames ``[start:end]``; a step divides the frame rate, a negative one plays backwards; one index gives one frame.
+
+        Raises
+        ------
+        InputError
+            If no frame is left.
+        IndexError
+            If there is no such frame.
+        """
+        if not isinstance(item, slice):
+            wanted = operator.index(item)
+            index = wanted + len(self) if wanted < 0 else wanted
+            if not 0 <= index < len(self):
+                raise IndexError(f"Frame {wanted} of a path of {len(self)} frames.")
+            item = slice(index, index + 1)
+        elif not range(len(self))[item]:
+            raise InputError(f"No frame is left of {len(self)} by [{item.start}:{item.stop}].")
         step = abs(item.step) if item.step else 1
         assert self.yaw_undefined is not None
         return dataclasses.replace(
