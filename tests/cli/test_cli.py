@@ -6,6 +6,7 @@ import re
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import jsonschema
@@ -372,6 +373,15 @@ def test_names_from_outside_cannot_command_the_terminal(kinesics: Kinesics, tmp_
     assert "[bold]a" in kinesics("info", name).out
 
 
+@pytest.fixture
+def listening() -> Iterator[None]:
+    """Ctrl-C reaches this process, also where whoever started it (nohup, a job in the background) had it ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("listening")
 @pytest.mark.parametrize("after", [1, 2, 4, 8, 12])
 @pytest.mark.parametrize("again", [False, True], ids=["new folder", "old folder"])
 def test_ctrl_c_is_130_and_leaves_nothing_half_written(
