@@ -12,7 +12,7 @@ bones tell: their directions, the hip and the shoulder line, and the way knees a
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -23,7 +23,7 @@ from kinesics.body import roles as _roles
 from kinesics.body.motion import Motion
 from kinesics.body.roles import Roles
 from kinesics.body.skeleton import Skeleton
-from kinesics.errors import InputError
+from kinesics.errors import InputError, SkeletonError
 from kinesics.geometry import quaternion
 
 Array = NDArray[np.float64]
@@ -31,8 +31,18 @@ Array = NDArray[np.float64]
 _SNAP: Final = np.deg2rad(30.0)
 """A frame this near to the axes of its own file is taken to lie along them: a rig is built that way, and K then does not
 depend on the clip."""
+_ALONG: Final = np.deg2rad(15.0)
+"""A trunk this near to its rig's axes was built along them: hips and shoulders of real bodies lean by a few degrees."""
 _SAMPLES: Final = 500
 _SIDES: Final = ("left", "right")
+_DIRECTIONS: Final = {
+    "+x": (1.0, 0.0, 0.0),
+    "-x": (-1.0, 0.0, 0.0),
+    "+y": (0.0, 1.0, 0.0),
+    "-y": (0.0, -1.0, 0.0),
+    "+z": (0.0, 0.0, 1.0),
+    "-z": (0.0, 0.0, -1.0),
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +101,8 @@ def resolve(motion: Motion, mapping: Mapping[str, object] | None = None) -> Anat
     Parameters
     ----------
     mapping : what the user says, as read from a TOML file: a table ``[joints]`` of role = "joint name" (roles: those of
-        `kinesics.body.roles.REQUIRED` and ``OPTIONAL``; any subset, the rest is found), and ``clavicle = "compose" | "drop"``.
+        `kinesics.body.roles.REQUIRED` and ``OPTIONAL``; any subset, the rest is found), ``clavicle = "compose" | "drop"``, and
+        ``facing``: where the rest pose looks, in the file's axes ("+z", "-x", …), if not where its left and right say.
 
     Raises
     ------
@@ -105,11 +116,16 @@ def resolve(motion: Motion, mapping: Mapping[str, object] | None = None) -> Anat
     clavicle = str((mapping or {}).get("clavicle", "compose"))
     if clavicle not in ("compose", "drop"):
         raise InputError(f'Expected clavicle = "compose" or "drop" in the mapping, got "{clavicle}".')
-    joints = {k: v for k, v in (mapping or {}).items() if k != "clavicle"}
+    facing = (mapping or {}).get("facing")
+    if facing is not None and facing not in _DIRECTIONS:
+        raise InputError(f"Expected facing = one of {', '.join(_DIRECTIONS)} in the mapping, got {facing!r}.")
+    joints = {k: v for k, v in (mapping or {}).items() if k not in ("clavicle", "facing")}
     sample = motion[:: max(1, motion.frame_count // _SAMPLES)]
     positions = sample.positions()
     roles = _roles.identify(motion.skeleton, positions, joints)
-    return _attach_frames(motion.skeleton, roles, positions, sample.global_rotations(), clavicle)
+    return _attach_frames(
+        motion.skeleton, roles, positions, sample.global_rotations(), clavicle, None if facing is None else str(facing)
+    )
 
 
 def understood(motion: Motion, mapping: Mapping[str, object] | None = None) -> Motion:
@@ -205,16 +221,24 @@ def _hinge(upper: Array, lower: Array, bone: Array) -> Array:
     return quaternion.swing_twist(quaternion.multiply(quaternion.conjugate(upper), lower), bone).swing
 
 
-def _attach_frames(skeleton: Skeleton, roles: Roles, positions: Array, world: Array, clavicle: str) -> Anatomy:
+def _attach_frames(
+    skeleton: Skeleton, roles: Roles, positions: Array, world: Array, clavicle: str, facing: str | None
+) -> Anatomy:
     spine_text = {0: "no spine joint: the three spine links stay straight", 3: ""}.get(
         len(roles.spine), f"spine of {len(roles.spine)} joints spread over three links"
     )
     neck_text = {0: "no neck joint: the head's rotation spread over neck and head", 2: ""}.get(
         len(roles.neck), f"neck of {len(roles.neck)} joint(s) spread over two links"
     )
-    frames = _frames_from_rest(skeleton, roles)
+    frames = _frames_from_rest(skeleton, roles, facing)
     if frames is not None:
-        how = "anatomical frames from the rest pose"
+        forward = quaternion.rotate(frames[roles.pelvis], np.array([0.0, 0.0, 1.0]))
+        said = "as the mapping says" if facing is not None else "by its left and right"
+        how = f"anatomical frames from the rest pose, which faces {_direction(forward)} ({said})"
+    elif facing is not None:
+        raise InputError(
+            "The mapping gives a facing, but the rest pose of this skeleton is no human pose and faces nowhere."
+        )
     else:
         frames = _frames_from_bones(skeleton, roles, positions, world)
         how = "the rest pose is no human pose: anatomical frames from bones, hip and shoulder line and the bend of knees and elbows"
@@ -257,11 +281,16 @@ def _limbs(roles: Roles, side: str) -> list[tuple[int, int | None, Array]]:
     ]
 
 
+def _direction(v: Array) -> str:
+    """The axis a direction is nearest to, in words."""
+    return max(_DIRECTIONS, key=lambda name: float(np.dot(_DIRECTIONS[name], v)))
+
+
 def _unit(v: Array) -> Array:
     return np.asarray(v / np.linalg.norm(v))
 
 
-def _frames_from_rest(skeleton: Skeleton, roles: Roles) -> Array | None:
+def _frames_from_rest(skeleton: Skeleton, roles: Roles, facing: str | None = None) -> Array | None:
     """K from the rest pose; None where that is no human pose."""
     rest = skeleton.rest_positions
     hips = (rest[roles.left_femur] + rest[roles.right_femur]) / 2
@@ -289,6 +318,11 @@ def _frames_from_rest(skeleton: Skeleton, roles: Roles) -> Array | None:
     frames = quaternion.identity((skeleton.joint_count,))
     # the file's own axes where they are meant: hip lines of real bodies lean by a degree or two
     base = quaternion.from_matrix(_snapped(upright))
+    if facing is not None:
+        forward = np.array(_DIRECTIONS[facing])
+        if abs(forward @ up) > 0.7:
+            raise InputError(f'The mapping says facing = "{facing}", but that is up or down in the rest pose.')
+        base = quaternion.from_matrix(_snapped(_frame(x=np.cross(up, forward), y=up)))
     for j in (
         roles.pelvis,
         *roles.spine,
@@ -314,17 +348,26 @@ def _frames_from_bones(skeleton: Skeleton, roles: Roles, positions: Array, world
         """Mean over the clip of a direction given in the world, seen from joint j."""
         return np.asarray(quaternion.rotate(quaternion.conjugate(world[:, j]), points).mean(axis=0))
 
-    def trunk(j: int, left: int, right: int, above: int) -> Array:
-        y = _unit(local(j, positions[:, above] - positions[:, j]))
+    def trunk(j: int, left: int, right: int, above: Sequence[int]) -> Array:
+        """Columns left, up, forward of a trunk joint in its own frame; up is to the first joint that lies elsewhere."""
+        ups = [local(j, positions[:, a] - positions[:, j]) for a in above]
+        y = next((v for v in ups if np.linalg.norm(v) > 1e-6), None)
         x = local(j, positions[:, left] - positions[:, right])
-        return quaternion.from_matrix(_snapped(_frame(x=x - (x @ y) * y, y=y)))
+        if y is None or np.linalg.norm(np.cross(x, y)) < 1e-9:
+            raise SkeletonError(
+                f"The frame of joint '{skeleton.joint_names[j]}' cannot be found: the joints above it, or those to its left "
+                "and right, lie in one place."
+            )
+        return _frame(x=x, y=y)
 
-    frames[roles.pelvis] = trunk(
-        roles.pelvis, roles.left_femur, roles.right_femur, roles.spine[0] if roles.spine else roles.head
-    )
-    above_chest = roles.neck[0] if roles.neck else roles.head
-    if roles.spine:
-        frames[roles.chest] = trunk(roles.chest, roles.left_humerus, roles.right_humerus, above_chest)
+    above_chest = (*roles.neck, roles.head)
+    raw_pelvis = trunk(roles.pelvis, roles.left_femur, roles.right_femur, (*roles.spine, *above_chest))
+    raw_chest = trunk(roles.chest, roles.left_humerus, roles.right_humerus, above_chest) if roles.spine else raw_pelvis
+    # a rig built along axes has them everywhere, and then K does not depend on the clip; one that is not has them nowhere
+    along_axes = all(_off_axes(m) < _ALONG for m in (raw_pelvis, raw_chest))
+    near, far = (_SNAP, np.deg2rad(60.0)) if along_axes else (0.0, 0.0)
+    frames[roles.pelvis] = quaternion.from_matrix(_snapped(raw_pelvis, near))
+    frames[roles.chest] = quaternion.from_matrix(_snapped(raw_chest, near))
     pelvis = quaternion.multiply(world[:, roles.pelvis], frames[roles.pelvis])
     chest = quaternion.multiply(world[:, roles.chest], frames[roles.chest])
 
@@ -332,7 +375,7 @@ def _frames_from_bones(skeleton: Skeleton, roles: Roles, positions: Array, world
         """K that leaves joint j on average as its neighbours are."""
         average = quaternion.mean(quaternion.multiply(quaternion.conjugate(world[:, j]), like))
         # a head may look aside for a whole clip: its rig's axes are the nearest ones however far it is turned
-        return quaternion.from_matrix(_snapped(quaternion.as_matrix(average), limit=np.deg2rad(60.0)))
+        return quaternion.from_matrix(_snapped(quaternion.as_matrix(average), far))
 
     middle = quaternion.slerp(pelvis, chest, np.full(len(world), 0.5))
     for j in roles.spine[:-1]:
@@ -355,14 +398,14 @@ def _frames_from_bones(skeleton: Skeleton, roles: Roles, positions: Array, world
             forward = bends * local(upper, lower_bone / max(float(np.linalg.norm(tip)), 1e-9))
             forward = forward + 0.25 * local(upper, quaternion.rotate(trunk_frame, np.array([0.0, 0.0, 1.0])))
             forward = forward - (forward @ bone) * bone
-            frames[upper] = _limb_frame(bone, forward, target)
+            frames[upper] = _limb_frame(bone, forward, target, near)
             # about its own bone the lower link does not turn (§2.7), so any second axis will do: the upper one's, carried on
             lower_dir = _unit(tip) if np.linalg.norm(tip) > 0 else bone
             carried = local(
                 lower,
                 quaternion.rotate(quaternion.multiply(world[:, upper], frames[upper]), np.array([0.0, 0.0, 1.0])),
             )
-            frames[lower] = _limb_frame(lower_dir, carried - (carried @ lower_dir) * lower_dir, target)
+            frames[lower] = _limb_frame(lower_dir, carried - (carried @ lower_dir) * lower_dir, target, near)
     return frames
 
 
@@ -373,7 +416,7 @@ def _tip(skeleton: Skeleton, joint: int, end: int | None) -> Array:
     return np.zeros(3) if bone is None else bone
 
 
-def _limb_frame(bone: Array, forward: Array, target: Array) -> Array:
+def _limb_frame(bone: Array, forward: Array, target: Array, snap: float) -> Array:
     """K of a limb joint: its bone (local) is ``target`` in the T-pose, ``forward`` (local) is +z."""
     if np.linalg.norm(forward) < 1e-6:
         least = np.eye(3)[np.argmin(np.abs(bone))]
@@ -385,7 +428,7 @@ def _limb_frame(bone: Array, forward: Array, target: Array) -> Array:
     else:
         x = bone * np.sign(target[0])
         matrix = np.stack([x, np.cross(z, x), z], axis=1)
-    return quaternion.from_matrix(_snapped(matrix))
+    return quaternion.from_matrix(_snapped(matrix, snap))
 
 
 def _frame(x: Array, y: Array) -> Array:
@@ -395,8 +438,8 @@ def _frame(x: Array, y: Array) -> Array:
     return np.stack([x, y, np.cross(x, y)], axis=1)
 
 
-def _snapped(matrix: Array, limit: float = _SNAP) -> Array:
-    """The nearest rotation onto coordinate axes, if it is near; else the matrix itself."""
+def _nearest_axes(matrix: Array) -> Array | None:
+    """The nearest rotation onto coordinate axes; None where the choice is no rotation."""
     best = np.zeros((3, 3))
     rest = np.abs(matrix)
     for _ in range(3):
@@ -404,7 +447,18 @@ def _snapped(matrix: Array, limit: float = _SNAP) -> Array:
         best[row, column] = np.sign(matrix[row, column])
         rest[row, :] = -1.0
         rest[:, column] = -1.0
-    if np.linalg.det(best) < 0:
-        return matrix
-    cos_angle = (np.trace(best.T @ matrix) - 1.0) / 2.0
-    return best if np.arccos(np.clip(cos_angle, -1.0, 1.0)) < limit else matrix
+    return best if np.linalg.det(best) > 0 else None
+
+
+def _off_axes(matrix: Array) -> float:
+    """Angle of a frame from the coordinate axes, radians."""
+    best = _nearest_axes(matrix)
+    if best is None:
+        return float(np.pi)
+    return float(np.arccos(np.clip((np.trace(best.T @ matrix) - 1.0) / 2.0, -1.0, 1.0)))
+
+
+def _snapped(matrix: Array, limit: float = _SNAP) -> Array:
+    """The nearest rotation onto coordinate axes, if it is nearer than ``limit``; else the matrix itself."""
+    best = _nearest_axes(matrix)
+    return best if best is not None and _off_axes(matrix) < limit else matrix

@@ -64,6 +64,9 @@ def detect(
     """
     said: list[str] = []
     body: dict[str, int] = _roles.by_name(skeleton)
+    if "head" not in body:
+        # where names tell nothing the shape may
+        body = {**(_roles.by_shape(skeleton, positions) or {}), **body}
     if up is None:
         up_axis, why = _detect_up(positions, body)
         said.append(f"up axis {up_axis}: {why}")
@@ -132,8 +135,34 @@ def _detect_up(positions: Array, body: dict[str, int]) -> tuple[str, str]:
         if abs(share[axis]) > 0.6:
             name = ("-" if share[axis] < 0 else "") + "xyz"[axis]
             return name, "the head is over the feet along it"
-        return "y", "by custom, for the body does not stand in this recording"
-    return "y", "by custom, for head and feet are not known"
+        floor = _detect_floor(positions, share)
+        if floor is not None:
+            return (
+                floor,
+                "the lowest point of the body keeps to one height along it, and the head is over the feet more than not",
+            )
+        return "y", "by custom, for the body does not stand in this recording (if it is not, say so: --up, up=)"
+    return "y", "by custom, for head and feet are not known (if it is not, say so: --up, up=)"
+
+
+def _detect_floor(positions: Array, share: Array) -> str | None:
+    """The axis along which something is always at one height, the floor, though the body tumbles; None where it is not plain.
+
+    ``share`` is the mean direction from feet to head: the head is up more often than not, upside down or lying now and then.
+    """
+    if len(positions) < 8:
+        return None
+    waver: dict[str, float] = {}
+    for axis in range(3):
+        name = ("-" if share[axis] < 0 else "") + "xyz"[axis]
+        height = positions[:, :, axis] * (-1.0 if share[axis] < 0 else 1.0)
+        if abs(share[axis]) > 0.15:
+            waver[name] = float(height.min(axis=1).std())
+    size = float(np.median(np.linalg.norm(np.ptp(positions, axis=1), axis=1)))
+    ranked = sorted(waver, key=lambda name: waver[name])
+    if not ranked or waver[ranked[0]] > 0.05 * size:
+        return None
+    return ranked[0] if len(ranked) == 1 or waver[ranked[0]] < 0.3 * waver[ranked[1]] else None
 
 
 def _detect_unit(skeleton: Skeleton, positions: Array, body: dict[str, int]) -> tuple[float, str]:

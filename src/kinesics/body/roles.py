@@ -25,6 +25,8 @@ from kinesics.errors import InputError, SkeletonError
 Array = NDArray[np.float64]
 
 LIMB_ROLES: Final = ("femur", "tibia", "foot", "humerus", "radius", "hand")
+_TOLD: Final = 0.01
+"""Of a leg's length: toes and knees that point forward by less do not tell left from right."""
 REQUIRED: Final = (
     "left_femur",
     "left_tibia",
@@ -396,10 +398,10 @@ def by_shape(skeleton: Skeleton, positions: Array) -> dict[str, int] | None:
                 continue
             if not _upright(positions, leg_p, leg_q, at_legs, at_arms):
                 continue
-            first_is_left = _first_is_left(positions, leg_p, leg_q, at_legs, at_arms)
-            if first_is_left is None:
-                continue
+            first_is_left = _first_is_left(skeleton, positions, leg_p, leg_q, at_legs, at_arms)
             arm_first_left = _same_side(positions, leg_p, leg_q, arm_p, arm_q)
+            if first_is_left is None or arm_first_left is None:
+                continue
             if not first_is_left:
                 leg_p, leg_q = leg_q, leg_p
                 arm_first_left = not arm_first_left
@@ -550,11 +552,17 @@ def _limb_joints(skeleton: Skeleton, branch: int) -> tuple[int, int, int | None]
             )
         )
     lengths = [float(np.linalg.norm(skeleton.offsets[c])) for c in way[1:]]
+    # the last two long bones that end in joints: collar bones and hip joints come before them, hands and feet after
+    long = 0.18 * sum(lengths)
+    pairs = [k for k in range(len(way) - 2) if min(lengths[k], lengths[k + 1]) >= long]
+    if pairs:
+        upper = pairs[-1]
+        return way[upper], way[upper + 1], way[upper + 2]
     tip = [float(np.linalg.norm(s.offset)) for s in skeleton.end_sites if s.parent == way[-1]]
     lengths.append(max(tip, default=0.0))
     if len(way) < 2:
         return None
-    upper = max(range(len(way) - 1), key=lambda i: lengths[i] + lengths[i + 1])
+    upper = max(range(len(way) - 1), key=lambda k: lengths[k] + lengths[k + 1])
     if lengths[upper] <= 0 or lengths[upper + 1] <= 0:
         return None
     end = way[upper + 2] if upper + 2 < len(way) else None
@@ -594,19 +602,31 @@ def _upright(
 
 
 def _first_is_left(
-    positions: Array, p: tuple[int, int, int | None], q: tuple[int, int, int | None], hip: int, chest: int
+    skeleton: Skeleton,
+    positions: Array,
+    p: tuple[int, int, int | None],
+    q: tuple[int, int, int | None],
+    hip: int,
+    chest: int,
 ) -> bool | None:
+    """Whether the first leg is the left one, by which way toes point and knees bend; None where neither tells."""
     up = positions[:, chest] - positions[:, hip]
     lateral = positions[:, p[0]] - positions[:, q[0]]
     forward_if_left = np.cross(lateral, up)
-    votes = np.zeros(len(positions))
+    forward_if_left /= np.maximum(np.linalg.norm(forward_if_left, axis=1, keepdims=True), 1e-12)
+    told = 0.0
     for limb in (p, q):
-        if limb[2] is not None:
-            # knees bend backwards: the knee lies ahead of the line from hip to ankle
-            middle = (positions[:, limb[0]] + positions[:, limb[2]]) / 2
-            votes += np.sum((positions[:, limb[1]] - middle) * forward_if_left, axis=1)
-    total = float(votes.sum())
-    return None if total == 0 else total > 0
+        if limb[2] is None:
+            continue
+        leg = np.linalg.norm(positions[:, limb[0]] - positions[:, limb[2]], axis=1).max() + 1e-12
+        # knees bend backwards: the knee lies ahead of the line from hip to ankle
+        middle = (positions[:, limb[0]] + positions[:, limb[2]]) / 2
+        told += float(np.mean(np.sum((positions[:, limb[1]] - middle) * forward_if_left, axis=1)) / leg)
+        toes = skeleton.children[limb[2]]
+        if toes:
+            toe = positions[:, toes[0]] - positions[:, limb[2]]
+            told += float(np.mean(np.sum(toe * forward_if_left, axis=1)) / leg)
+    return None if abs(told) < _TOLD else told > 0
 
 
 def _same_side(
@@ -615,7 +635,10 @@ def _same_side(
     leg_q: tuple[int, int, int | None],
     arm_p: tuple[int, int, int | None],
     arm_q: tuple[int, int, int | None],
-) -> bool:
+) -> bool | None:
+    """Whether the first arm is on the side of the first leg; None where shoulders and elbows do not tell."""
     hips = positions[:, leg_p[0]] - positions[:, leg_q[0]]
-    shoulders = positions[:, arm_p[0]] - positions[:, arm_q[0]]
-    return bool(np.sum(hips * shoulders) > 0)
+    across = sum(positions[:, arm_p[k]] - positions[:, arm_q[k]] for k in (0, 1))
+    size = np.linalg.norm(hips, axis=1) * np.linalg.norm(across, axis=1)
+    cosine = float(np.mean(np.sum(hips * across, axis=1) / np.maximum(size, 1e-12)))
+    return None if abs(cosine) < 0.3 else cosine > 0

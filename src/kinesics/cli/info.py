@@ -71,7 +71,7 @@ def inspect(motion: Motion, mapping: Mapping[str, Any] | None = None) -> dict[st
     else:
         facts["body"] = {"profile": body.profile, "parts": body.roles.named(motion.skeleton)}
         facts["not_understood"] = None
-        facts["assumptions"] += list(body.assumptions)
+        facts["assumptions"] = list(dict.fromkeys((*facts["assumptions"], *body.assumptions)))
     facts["quality"] = quality.inspect(motion).to_dict()
     facts["free_space"] = limits.free_space(motion).to_dict()
     return facts
@@ -85,7 +85,7 @@ def _show(facts: dict[str, Any]) -> None:
 
     console.print(f"[bold]{terminal.escape(facts['name'])}[/bold]")
     row("format", facts["format"])
-    row("length", f"{facts['frames']} frames at {facts['fps']:g} fps: {facts['duration_s']:.2f} s")
+    row("length", f"{terminal.counted(facts['frames'], 'frame')} at {facts['fps']:g} fps: {facts['duration_s']:.2f} s")
     row("unit", f"{facts['metres_per_unit']:.6g} m; up is {facts['up']}")
     row("joints", str(len(facts["joints"])))
     if facts["body"] is None:
