@@ -78,6 +78,9 @@ class Score:
     """Whether it goes over the floor and so can follow a route."""
     detrend: bool = False
     """Whether it stays in place however the feet push."""
+    blend: float = 0.0
+    """Seconds over which the weight passes from one support to the next. A foot that comes down while the leg swings would
+    otherwise throw the whole body forward; so it slides a little instead, as one that steps or stamps does."""
 
 
 def check_number(name: str, value: float, low: float, high: float, *, unit: str = "") -> float:

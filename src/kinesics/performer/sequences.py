@@ -17,6 +17,9 @@ from kinesics.performer.truth import Performance
 
 Array = NDArray[np.float64]
 
+_BLEND: Final = 0.25
+"""Seconds over which the weight goes from foot to foot in kicks, stamps and lunges (`kinesics.performer.score.Score`)."""
+
 
 def _pair(path: KeyPath, states: tuple[KeyState, ...]) -> tuple[KeyPath, KeyPath]:
     """A path and its mirror image."""
@@ -96,7 +99,7 @@ def side_kicks(
     ]
     parts = (Part("kicks left", 0, kicks), Part("turn", kicks, kicks + 2), Part("kicks right", kicks + 2, len(steps)))
     score = traversal_score(graph, steps, seconds=seconds, tempo_jitter=tempo_jitter, seed=seed, parts=parts)
-    return perform_score(score, fps=fps, seed=seed, **conditions)
+    return perform_score(dataclasses.replace(score, blend=_BLEND), fps=fps, seed=seed, **conditions)
 
 
 def _sun_graph(amplitude: float) -> KeyGraph:
@@ -282,12 +285,12 @@ def _kata_graph(amplitude: float) -> KeyGraph:
     )
     paths = (
         KeyPath("xa_1", "X~", "A", 1.1, (gather,)),
-        KeyPath("xa_2", "X~", "A", 1.3, (sweep,)),
-        KeyPath("aa*_1", "A", "A*", 1.0, (crouch,)),
+        KeyPath("xa_2", "X~", "A", 1.5, (sweep,)),
+        KeyPath("aa*_1", "A", "A*", 1.3, (crouch,)),
         KeyPath("ab_1", "A", "B", 1.2),
         KeyPath("bc_1", "B", "C", 1.1, (gather,)),
         KeyPath("cd_1", "C", "D", 1.0),
-        KeyPath("da_1", "D", "A", 1.3, (kick,)),
+        KeyPath("da_1", "D", "A", 1.8, (kick,)),
         KeyPath("cx_1", "C", "X~", 1.6, reversible=True),
         KeyPath("bd_1", "B", "D", 1.0, reversible=True),
     )
@@ -305,7 +308,7 @@ def _kata_half(mirrored: bool) -> list[Step]:
         ("<bd_1", False, 0.3, 0.0),
         ("bc_1", True, 0.5, 90.0),
         ("cd_1", False, 0.3, 0.0),
-        ("da_1", True, 0.35, 0.0),
+        ("da_1", False, 0.35, 0.0),
         ("ab_1", False, 0.4, 90.0),
         ("bc_1", True, 0.4, -90.0),
         ("cx_1", False, 1.0, 0.0),
@@ -350,4 +353,4 @@ def kata(
     score = traversal_score(
         _kata_graph(amplitude), steps, seconds=seconds, first_hold=1.0, tempo_jitter=tempo_jitter, seed=seed
     )
-    return perform_score(score, fps=fps, seed=seed, **conditions)
+    return perform_score(dataclasses.replace(score, blend=_BLEND), fps=fps, seed=seed, **conditions)

@@ -189,7 +189,7 @@ def perform_score(
 
     grid = np.arange(int(np.ceil(score.seconds * _GRID_RATE)) + 2) / _GRID_RATE
     grid_rotations = joint_rotations(angles(grid))
-    travelled = ground.travel(grid_rotations, heading(grid), score.lift(grid))
+    travelled = ground.travel(grid_rotations, heading(grid), score.lift(grid), score.blend)
     if score.travels:
         forward = np.interp(times, grid, travelled[:, 1])
         # what sways to the side must not become a drift
@@ -267,10 +267,11 @@ class _Ground:
         assert rotations.shape[1] == len(JOINT_NAMES)
         return np.asarray(-self._points(rotations, self.body.contact_points)[..., 1].min(axis=1))
 
-    def travel(self, rotations: Array, heading: Array, lift: Array) -> Array:
+    def travel(self, rotations: Array, heading: Array, lift: Array, blend: float) -> Array:
         """Where the root goes over the floor if what bears the weight stays where it is.
 
         Shape (frames, 2): x, z from the start, metres. In flight the velocity is carried over from before to after.
+        Over ``blend`` seconds the velocity is averaged (`Score.blend`).
         """
         points = self._points(rotations, self.body.contact_points)
         c, s = np.cos(heading)[:, None], np.sin(heading)[:, None]
@@ -288,6 +289,10 @@ class _Ground:
             known = np.flatnonzero(~flying)
             for k in (0, 1):
                 step[flying, k] = np.interp(np.flatnonzero(flying), known, step[known, k])
+        if blend > 0.0:
+            width = 2 * round(0.5 * blend * _GRID_RATE) + 1
+            window = np.hanning(width + 2)[1:-1] / np.hanning(width + 2).sum()
+            step = np.stack([np.convolve(step[:, k], window, "full")[width // 2 :][: len(step)] for k in (0, 1)], axis=-1)
         return np.concatenate([np.zeros((1, 2)), np.cumsum(step, axis=0)])
 
 

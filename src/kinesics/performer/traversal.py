@@ -15,7 +15,7 @@ from typing import Final, Literal, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline, PchipInterpolator
+from scipy.interpolate import CubicHermiteSpline, CubicSpline, PchipInterpolator
 
 from kinesics.errors import InputError
 from kinesics.performer import postures as _postures
@@ -41,6 +41,7 @@ STOP_TO_STOP: Final = 1.875
 """A path from stop to stop takes this many times as long as one passed at full speed: the top speed is the same."""
 _STOP_AT_ONE_END: Final = 1.5
 _IMPACT: Final = 0.5  # share of a strike's time until the impact
+_IMPACT_SECONDS: Final = 0.04  # how long the impact takes: no limb is stopped in an instant
 _RECOIL: Final = 0.07  # share of the path that the recoil goes back
 
 
@@ -317,11 +318,21 @@ class _Piece:
         """How much of the path lies behind, in the direction of travel, 0 to 1."""
         x = np.clip((times - self.start) / (self.end - self.start), 0.0, 1.0)
         if self.strike:
-            hit = np.minimum(x / _IMPACT, 1.0)
-            first = hit**2 if self.stop_before else hit
-            y = np.maximum(x - _IMPACT, 0.0) / (1.0 - _IMPACT)
-            return np.asarray(first - _RECOIL * 6.75 * y * (1.0 - y) ** 2)
+            soft = min(_IMPACT_SECONDS / (self.end - self.start), 0.2)
+            near = np.clip((x - _IMPACT + 0.5 * soft) / soft, 0.0, 1.0)
+            (v0, first), (v1, second) = (self._struck(np.array([_IMPACT + k * soft])) for k in (-0.5, 0.5))
+            braking = CubicHermiteSpline([0.0, 1.0], [first[0], second[0]], [soft * v0[0], soft * v1[0]])
+            return np.where((near > 0.0) & (near < 1.0), braking(near), self._struck(x)[1])
         return _quintic(x, 0.0 if self.stop_before else self.speed, 0.0 if self.stop_after else self.speed)
+
+    def _struck(self, x: Array) -> tuple[Array, Array]:
+        """Speed and progress of a strike that is stopped in an instant."""
+        hit = np.minimum(x / _IMPACT, 1.0)
+        into = x < _IMPACT
+        first, rate = (hit**2, 2.0 * hit) if self.stop_before else (hit, np.ones_like(hit))
+        y = np.maximum(x - _IMPACT, 0.0) / (1.0 - _IMPACT)
+        back = _RECOIL * 6.75 * (1.0 - y) * (1.0 - 3.0 * y) / (1.0 - _IMPACT)
+        return np.where(into, rate / _IMPACT, -back), first - _RECOIL * 6.75 * y * (1.0 - y) ** 2
 
     @property
     def speed(self) -> float:
