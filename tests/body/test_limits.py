@@ -301,7 +301,27 @@ def test_the_result_is_plain_for_json_and_short_for_people() -> None:
     assert json.loads(json.dumps(plain)) == plain
     assert plain["excesses"][0]["joint"] == "LeftArm"
     assert len(found.sentences) == 2
-    assert "in 1 of 4 frames: LeftArm; most LeftArm, by 45° about z at frame 2" in found.sentences[0]
+    assert found.sentences[0] == "Beyond the file's own joint limits: LeftArm by up to 45° about z (frame 2)."
+
+
+def test_sentences_name_each_joint_once_and_leave_hands_and_toes_out() -> None:
+    """Whatever wrists and toes do, the joints that matter are told, three at most and worst first; values keep them all."""
+    narrow = JointFreedom(order="ZYX", channels="xyz", limits=degrees((-5, 5), (-5, 5), (-5, 5)))
+    angles = {"LeftHand": 80.0, "LeftLeg": 50.0, "RightArm": 40.0, "Head": 30.0, "Spine": 20.0}
+
+    def told(*names: str) -> limits.FreeSpace:
+        freedoms = tuple(narrow if n in angles else f for n, f in zip(NAMES, SKELETON.freedoms, strict=True))
+        return limits.free_space(
+            posed(SKELETON.replace(freedoms=freedoms), **{n: np.deg2rad([angles[n] / 2, 0, angles[n]]) for n in names})
+        )
+
+    everything = told(*angles)
+    sentence = everything.sentences[0]
+    assert [name for name in angles if name in sentence] == ["LeftLeg", "RightArm", "Head"]
+    assert sentence.count("LeftLeg") == 1
+    assert sentence.endswith(" and 1 more.")
+    assert {e.joint for e in everything.excesses} == set(angles)
+    assert told("LeftHand").sentences[0] == "Only wrists, hands, fingers or toes go beyond the file's own joint limits."
 
 
 def test_angles_of_a_real_file_come_back_as_written(shared_data: Path) -> None:

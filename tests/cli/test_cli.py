@@ -363,6 +363,13 @@ def test_a_full_disk_or_a_forbidden_folder_is_not_a_defect(kinesics: Kinesics, w
     assert "Traceback" not in got.err
 
 
+def test_one_frame_is_not_told_as_frames(kinesics: Kinesics, walk: Path) -> None:
+    """A photograph of a movement has "1 frame"."""
+    kx.write(kx.read(walk)[7], "moment.bvh")
+    assert "1 frame at 30 fps" in kinesics("info", "moment.bvh").out
+    assert "90 frames at 30 fps" in kinesics("info", walk).out
+
+
 def test_names_from_outside_cannot_command_the_terminal(kinesics: Kinesics, tmp_path: Path, walk: Path) -> None:
     """Escape sequences in file names are shown, not obeyed; brackets are not taken for markup."""
     name = "[bold]a\x1b[2Jb[x].bvh"

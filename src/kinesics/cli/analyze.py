@@ -125,7 +125,7 @@ def summarize(result: Analysis) -> None:
     for number, source in enumerate(result.sources):
         console.print(
             f"[bold]{terminal.escape(source.name or 'a synthetic performance')}[/bold]: "
-            f"{source.duration_s:.1f} s, {source.frames} frames at {source.fps:g} fps"
+            f"{source.duration_s:.1f} s, {terminal.counted(source.frames, 'frame')} at {source.fps:g} fps"
         )
         console.print(f"  {terminal.escape(words.headline(result, number))}")
         phrases = [k for k, p in enumerate(result.phrases) if p.source == number]
@@ -139,7 +139,7 @@ def summarize(result: Analysis) -> None:
         console.print(f"  still {still:.0%} of the time, left and right alike {symmetric:.0%} of the time")
         if source.assumptions:
             console.print(
-                f"  [dim]{len(source.assumptions)} things were assumed: see the report, or kinesics info[/dim]"
+                f"  [dim]{terminal.counted(len(source.assumptions), 'assumption')}: see the report, or kinesics info[/dim]"
             )
     graph = result.graph
     if graph.states:

@@ -45,6 +45,11 @@ def examples(lines: Sequence[tuple[str, str]]) -> str:
     return "[bold]Examples[/bold]\n\n" + "\n\n".join(shown)
 
 
+def counted(number: int, noun: str) -> str:
+    """A number and what it counts: "1 frame", "2 frames"."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
 def escape(text: str) -> str:
     """Text from outside, to be put between rich's own markup."""
     from rich.markup import escape as escape_markup
