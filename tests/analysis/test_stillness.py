@@ -109,12 +109,15 @@ def test_weights_decide_what_counts_as_moving() -> None:
 
 @pytest.mark.parametrize("movement", ["kata", "sun_salutation", "throw", "raise_arms", "stand"])
 def test_the_performer_s_holds_are_found(movement: str) -> None:
-    """Nine in ten of the holds that the performer made are covered in their middle, and nothing else is called still."""
+    """Every hold that lasts as long as the rule asks is covered in its middle, most shorter ones too; nothing else is still."""
     performed = getattr(kx.performer, movement)(fps=30.0)
     true = performed.truth.stillness
-    found = find_stillness(kx.poses(performed.motion))
+    poses = kx.poses(performed.motion)
+    found = find_stillness(poses)
     covered = [any(a <= (r.start + r.end) // 2 < b for a, b in found) for r in true]
-    assert sum(covered) >= 0.9 * len(true)
+    least = stillness_rule(poses).minimum_s * poses.fps
+    assert all(c for c, r in zip(covered, true, strict=True) if r.end - r.start > least)
+    assert sum(covered) >= 0.85 * len(true)
     assert all(any(a < r.end and r.start < b for r in true) for a, b in found)
 
 
