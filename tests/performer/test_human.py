@@ -7,8 +7,10 @@ import pytest
 
 import kinesics as kx
 from kinesics import performer
+from kinesics.body import quality
 from kinesics.geometry import quaternion
 from kinesics.performer.body import JOINT
+from kinesics.performer.stage import GRAVITY
 from kinesics.vocabulary import LINKS
 
 RECORDED = {
@@ -78,3 +80,36 @@ def test_hands_keep_out_of_the_trunk():
             hand = world[:, JOINT[side + "Hand"]]
             near = min(np.linalg.norm(hand - s, axis=1).min() for s in spine)
             assert near > 0.08, (name, side, near)
+
+
+@pytest.mark.parametrize("fps", [30.0, 60.0, 120.0])
+@pytest.mark.parametrize("name", performer.NAMES)
+def test_nothing_looks_wrong_but_that_holds_are_exact(name, fps):
+    """As a recording, a performance has no leap, gap, tremor or wrong size; its holds alone are stiller than life."""
+    found = quality.inspect(performer.perform(name, fps=fps).motion).findings
+    assert {f.kind for f in found} <= {"frozen"}, [f.sentence for f in found]
+
+
+@pytest.mark.parametrize("name", performer.NAMES)
+def test_the_pelvis_moves_no_faster_than_in_people(name):
+    """Below 5.5 m/s in a run, as joggers are, and 3 m/s in all else: a lunge or a walk is no faster."""
+    motion = performer.perform(name, fps=120.0).motion
+    speed = 120.0 * np.linalg.norm(np.diff(motion.root_positions, axis=0), axis=1)
+    assert speed.max() < (5.5 if name == "run" else 3.0)
+
+
+@pytest.mark.parametrize("name", ["kata", "side_kicks"])
+def test_the_pelvis_is_not_jerked_over_the_floor(name):
+    """In kicks, stamps and turns the ground pushes the pelvis sideways with no more than 3.5 times its weight."""
+    floor = performer.perform(name, fps=120.0).motion.root_positions[:, [0, 2]]
+    push = 120.0**2 * np.linalg.norm(np.diff(floor, 2, axis=0), axis=1)
+    assert push.max() < 3.5 * GRAVITY
+
+
+def test_a_living_body_is_never_exactly_still():
+    """With a little smooth noise a kata has no frozen stretch, and it sways by no more than some millimetres."""
+    exact = performer.kata(fps=60.0).motion
+    alive = performer.kata(fps=60.0, noise_degrees=0.2, noise_kind="smooth").motion
+    assert quality.inspect(alive).findings == ()
+    sway = np.linalg.norm(alive.root_positions - exact.root_positions, axis=1)
+    assert 0.001 < np.sqrt(np.mean(sway**2)) < 0.005

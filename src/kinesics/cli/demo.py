@@ -16,6 +16,7 @@ EXAMPLES = (
     ("kinesics demo --movement walk --out walk", "another movement, another folder"),
 )
 _MOVEMENT = "kata"
+_TREMOR_DEGREES = 0.2  # living bodies are never exactly still
 
 
 def demo(
@@ -29,7 +30,7 @@ def demo(
     from kinesics import analysis, performer, report
 
     with terminal.Bar("Performing and analysing") as bar:
-        performance = performer.perform(movement, seed=seed)
+        performance = performer.perform(movement, seed=seed, noise_degrees=_TREMOR_DEGREES, noise_kind="smooth")
         result = analysis.analyze(performance.motion, progress=bar.part(0.1, 0.4))
         report.save(result, out, progress=bar.part(0.4, 1.0))
     summarize(result)

@@ -45,7 +45,8 @@ class Conditions(TypedDict, total=False):
     """What every movement can be performed under. All optional.
 
     - ``noise_degrees``: sensor noise, root mean square turn of each joint, degrees, 0 to 30
-    - ``noise_kind``: "white" (anew in every frame) or "smooth" (below 3 Hz, the same at every frame rate)
+    - ``noise_kind``: "white" (anew in every frame) or "smooth" (below 3 Hz, the same at every frame rate, and the whole body
+      sways over the floor as if it turned as much about its feet)
     - ``asymmetry_degrees``: constant difference of left and right, degrees, −60 to 60: the left elbow bent more, the left
       upper arm and thigh rotated outward and the right inward by half as much
     - ``body``: a `Body`, or its height in metres
@@ -210,7 +211,11 @@ def perform_score(
     turn[:, 0], turn[:, 2] = np.cos((yaw + facing) / 2.0), np.sin((yaw + facing) / 2.0)
     rotations[:, 0] = quaternion.multiply(turn, rotations[:, 0])
     if noise_degrees > 0.0:
-        rotations = _noisy(rotations, times, np.deg2rad(noise_degrees), noise_kind, seed)
+        rng = generator(seed, NOISE_STREAM)
+        rms = np.deg2rad(noise_degrees)
+        rotations = _noisy(rotations, times, rms, noise_kind, rng)
+        if noise_kind == "smooth":
+            floor = floor + rms * person.leg_length / np.sqrt(2.0) * _slow_waves(times, (2,), rng)
     motion = Motion(
         skeleton=person.skeleton,
         rotations=rotations,
@@ -226,22 +231,22 @@ def _without_trend(values: Array) -> Array:
     return np.asarray(values - values[0] - line * (values[-1] - values[0]))
 
 
-def _noisy(rotations: Array, times: Array, rms: float, kind: str, seed: int) -> Array:
-    rng = generator(seed, NOISE_STREAM)
+def _noisy(rotations: Array, times: Array, rms: float, kind: str, rng: np.random.Generator) -> Array:
     shape = (rotations.shape[1], 3)
-    sigma = rms / np.sqrt(3.0)
-    if kind == "white":
-        turn = sigma * rng.standard_normal((len(times), *shape))
-    else:
-        # a sum of many slow waves is a smooth random function that any frame rate may sample
-        waves = 24
-        frequency = rng.uniform(0.1, 3.0, (waves, *shape))
-        phase = rng.uniform(0.0, 2.0 * np.pi, (waves, *shape))
-        turn = np.zeros((len(times), *shape))
-        for k in range(waves):
-            turn += np.cos(2.0 * np.pi * frequency[k] * times[:, None, None] + phase[k])
-        turn *= sigma * np.sqrt(2.0 / waves)
-    return quaternion.multiply(rotations, quaternion.from_rotvec(turn))
+    noise = rng.standard_normal((len(times), *shape)) if kind == "white" else _slow_waves(times, shape, rng)
+    return quaternion.multiply(rotations, quaternion.from_rotvec(rms / np.sqrt(3.0) * noise))
+
+
+def _slow_waves(times: Array, shape: tuple[int, ...], rng: np.random.Generator) -> Array:
+    """Smooth noise of unit variance, shape (times, *shape): a sum of slow waves, that any frame rate may sample."""
+    waves = 24
+    frequency = rng.uniform(0.1, 3.0, (waves, *shape))
+    phase = rng.uniform(0.0, 2.0 * np.pi, (waves, *shape))
+    out = np.zeros((len(times), *shape))
+    at = times.reshape(-1, *(1,) * len(shape))
+    for k in range(waves):
+        out += np.cos(2.0 * np.pi * frequency[k] * at + phase[k])
+    return np.asarray(out * np.sqrt(2.0 / waves))
 
 
 @dataclass(frozen=True)
@@ -292,7 +297,9 @@ class _Ground:
         if blend > 0.0:
             width = 2 * round(0.5 * blend * _GRID_RATE) + 1
             window = np.hanning(width + 2)[1:-1] / np.hanning(width + 2).sum()
-            step = np.stack([np.convolve(step[:, k], window, "full")[width // 2 :][: len(step)] for k in (0, 1)], axis=-1)
+            step = np.stack(
+                [np.convolve(step[:, k], window, "full")[width // 2 :][: len(step)] for k in (0, 1)], axis=-1
+            )
         return np.concatenate([np.zeros((1, 2)), np.cumsum(step, axis=0)])
 
 
