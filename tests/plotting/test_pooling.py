@@ -48,6 +48,38 @@ def test_a_small_matrix_is_blown_up_by_a_whole_factor() -> None:
     assert triangle[-1].max() == pytest.approx(0.25)
 
 
+@given(st.integers(2, 20), st.sampled_from([2, 4, 6]), st.integers(0, 99))
+def test_between_the_cells_of_a_small_matrix_nothing_jumps(frames: int, factor: int, seed: int) -> None:
+    """Every cell is met at its own place, pixels beside one another differ by little, and none is out of bounds."""
+    half = np.random.default_rng(seed).random((frames, frames), dtype=np.float32)
+    matrix = np.maximum(half, half.T)
+    triangle = rotate_to_triangle(matrix, frames * factor + min(factor, frames) - 1)
+    middle = factor // 2
+    for i in range(frames):
+        for j in range(i, frames):
+            row, column = (j - i) * factor // 2, (i + j) * factor // 2 + middle
+            assert triangle[row, column] == pytest.approx(matrix[i, j], abs=1e-6)
+    rows, columns = np.mgrid[: triangle.shape[0], : triangle.shape[1]]
+    inside = (columns >= rows) & (columns + rows < triangle.shape[1])
+    assert triangle[inside].min() >= matrix.min() - 1e-6
+    assert triangle.max() <= matrix.max() + 1e-6
+    # a pixel to the right is 1/factor of a cell along either index
+    steepest = 2.0 * (matrix.max() - matrix.min()) / factor
+    beside = inside[:, 1:] & inside[:, :-1]
+    assert np.abs(np.diff(triangle, axis=1))[beside].max() <= steepest + 1e-6
+
+
+@pytest.mark.parametrize("factor", [2, 3, 5, 8])
+def test_thin_lines_of_a_small_matrix_do_not_pulse(factor: int) -> None:
+    """One moment, one lag: a line that is a single cell thin is as bright between two of its cells as on them."""
+    frames = 21
+    i, j = np.indices((frames, frames))
+    again = rotate_to_triangle((np.abs(i - j) == 8).astype(np.float32), frames * factor)
+    assert again[4 * factor, 5 * factor : -5 * factor] == pytest.approx(1.0)
+    turning = rotate_to_triangle((i + j == 20).astype(np.float32), frames * factor)
+    assert turning[: 9 * factor, 10 * factor + factor // 2] == pytest.approx(1.0)
+
+
 @pytest.mark.parametrize(("frames", "size"), [(1, 10), (2, 10), (37, 64), (1500, 101), (1300, 1300), (1100, 700)])
 def test_pooling_the_tiles_is_pooling_the_matrix(frames: int, size: int) -> None:
     """Straight from the poses, without N×N, comes the same picture as from the full matrices."""
