@@ -38,9 +38,9 @@ figure img, figure svg { display: block; width: 100%; height: auto; }
 figure.narrow { max-width: 36rem; }
 figcaption { color: #555; font-size: .9rem; margin-top: .5rem; }
 table { border-collapse: collapse; font-size: .9rem; font-variant-numeric: tabular-nums; }
-th, td { text-align: left; padding: .25rem 1rem .25rem 0; border-bottom: 1px solid #eee; vertical-align: top;
-  overflow-wrap: anywhere; }
-th { color: #555; font-weight: 600; overflow-wrap: normal; }
+th, td { text-align: left; padding: .25rem 1rem .25rem 0; border-bottom: 1px solid #eee; vertical-align: top; }
+td.long { overflow-wrap: anywhere; }
+th { color: #555; font-weight: 600; }
 td.number, th.number { text-align: right; }
 ul { padding-left: 1.2rem; }
 li.warning { color: #8a3b00; }
@@ -397,7 +397,7 @@ def _source(source: Source) -> str:
         ("frames", f"{source.frames} at {source.fps:.6g} a second, {source.duration_s:.3f} s"),
         ("SHA-256", source.sha256),
     ]
-    rows = "".join(f"<tr><th>{escape(k)}</th><td>{escape(v)}</td></tr>" for k, v in facts if v)
+    rows = "".join(f"<tr><th>{escape(k)}</th>{_cell(v)}</tr>" for k, v in facts if v)
     assumed = "".join(f"<li>{escape(a)}</li>" for a in source.assumptions)
     said = f"<p>What the file does not say and was assumed:</p><ul>{assumed}</ul>" if assumed else ""
     return f"<table>{rows}</table>{said}"
@@ -435,8 +435,16 @@ def _drawing(svg: bytes, prefix: str, words: str, *, kind: str = "wide") -> str:
 
 def _table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     top = "".join(f"<th>{escape(h)}</th>" for h in header)
-    body = "".join("<tr>" + "".join(f"<td>{escape(c)}</td>" for c in row) + "</tr>" for row in rows)
+    body = "".join("<tr>" + "".join(map(_cell, row)) + "</tr>" for row in rows)
     return f"<table><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def _cell(text: str) -> str:
+    # a number that is broken in two reads as another one; a word as long as a file's name may be broken
+    long = max(map(len, text.split()), default=0) > 24
+    kind = ' class="long"' if long else ""
+    text = text.replace(" %", "\N{NO-BREAK SPACE}%")
+    return f"<td{kind}>{escape(text)}</td>"
 
 
 def _number(value: float | None, unit: str = "", *, places: int = 2) -> str:
