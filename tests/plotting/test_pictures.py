@@ -196,7 +196,7 @@ def test_coordinates_do_not_depend_on_the_signs_of_quaternions(rng: np.random.Ge
 
 
 def test_a_node_on_the_floor_that_stays_behind_is_no_bone() -> None:
-    """A rig may hang the pelvis on a node that the body walks away from: the figure is the same as without it."""
+    """A rig may hang the pelvis on a node that the body walks away from, and on it a prop too: neither is drawn."""
     from kinesics.body.skeleton import EndSite
     from kinesics.geometry import quaternion
     from kinesics.plotting.stick_figures import compute_strokes
@@ -204,9 +204,9 @@ def test_a_node_on_the_floor_that_stays_behind_is_no_bone() -> None:
     motion = bodies.legs_striding(20)
     bare = motion.skeleton
     skeleton = bare.replace(
-        joint_names=("Floor", *bare.joint_names),
-        parents=(-1, *(p + 1 for p in bare.parents)),
-        offsets=np.concatenate([np.zeros((1, 3)), bare.offsets]),
+        joint_names=("Floor", *bare.joint_names, "Prop"),
+        parents=(-1, *(p + 1 for p in bare.parents), 0),
+        offsets=np.concatenate([np.zeros((1, 3)), bare.offsets, np.ones((1, 3))]),
         freedoms=(),
         end_sites=tuple(EndSite(e.parent + 1, e.offset) for e in bare.end_sites),
     )
@@ -215,13 +215,29 @@ def test_a_node_on_the_floor_that_stays_behind_is_no_bone() -> None:
     walk[:, 1] = motion.root_positions + np.linspace(0.0, 9.0, 20)[:, None] * np.array([0.0, 0.0, 1.0])
     rigged = motion.replace(
         skeleton=skeleton,
-        rotations=np.concatenate([quaternion.identity((20, 1)), motion.rotations], axis=1),
+        rotations=np.concatenate(
+            [quaternion.identity((20, 1)), motion.rotations, quaternion.identity((20, 1))], axis=1
+        ),
         root_positions=np.zeros((20, 3)),
         joint_translations=walk,
     )
     a, b = compute_strokes(motion, [3, 19]), compute_strokes(rigged, [3, 19])
     assert a.segments.shape == b.segments.shape
     np.testing.assert_allclose(a.segments, b.segments, atol=1e-9)
+
+
+def test_what_has_no_length_is_no_stroke() -> None:
+    """Converters put hip joints and joints of the neck where their parents are: no dot is drawn for them."""
+    from kinesics.body.skeleton import EndSite
+    from kinesics.plotting.stick_figures import compute_strokes
+
+    motion = bodies.legs_striding(20)
+    last = motion.skeleton.joint_count - 1
+    sited = motion.skeleton.replace(end_sites=(*motion.skeleton.end_sites, EndSite(last, (0.0, 0.0, 0.0))))
+    a, b = compute_strokes(motion, [3]), compute_strokes(motion.replace(skeleton=sited), [3])
+    np.testing.assert_array_equal(a.segments, b.segments)
+    assert np.linalg.norm(a.segments[:, :, 1] - a.segments[:, :, 0], axis=-1).max(axis=0).min() > 0.01
+    assert len(a.segments[0]) == len(a.sides) == len(a.widths)
 
 
 def test_a_figure_faces_one_way_whatever_its_heading() -> None:

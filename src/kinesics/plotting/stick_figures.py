@@ -33,6 +33,9 @@ _CAMERAS: Final[dict[str, tuple[float, float]]] = {
     "three-quarter": (-35.0, 8.0),
 }
 
+_SHORTEST: Final = 1e-6
+"""Metres: what is shorter in every frame drawn is no stroke."""
+
 
 class Strokes(NamedTuple):
     """Bones on paper."""
@@ -165,9 +168,11 @@ def compute_strokes(motion: Motion, frames: ArrayLike, *, view: View = "three-qu
     up = np.cos(elevation) * points[..., 1] - np.sin(elevation) * towards
     flat = np.stack([across, up], axis=-1)
     sides = _sides(skeleton, body)
-    # what leads to the pelvis is no bone: a rig's node on the floor may stay behind while the body walks away
-    outside: set[int] = set() if body is None else _ancestors(skeleton, body.pelvis)
-    ends = [j for j in range(len(parents)) if parents[j] >= 0 and j not in outside]
+    # what leads to the pelvis is no bone, nor is what else hangs there: a rig's node on the floor may stay behind while the
+    # body walks away; and what has no length is a joint that a converter put into another
+    drawn = _descendants(skeleton, [0 if body is None else body.pelvis])
+    lengths = np.linalg.norm(tips - tips[:, parents], axis=-1).max(axis=0)
+    ends = [j for j, p in enumerate(parents) if p >= 0 and drawn[p] and lengths[j] > _SHORTEST]
     starts = [parents[j] for j in ends]
     fine = _beyond_hands_and_feet(skeleton, body)
     head = _head(skeleton, body)
@@ -211,15 +216,6 @@ def _tips(motion: Motion) -> tuple[Array, list[int]]:
         for site in skeleton.end_sites
     ]
     return np.concatenate([where.positions, *(s[:, None] for s in sites)], axis=1), parents
-
-
-def _ancestors(skeleton: Skeleton, joint: int) -> set[int]:
-    """The joint and what it hangs on."""
-    out: set[int] = set()
-    while joint >= 0:
-        out.add(joint)
-        joint = skeleton.parents[joint]
-    return out
 
 
 def _descendants(skeleton: Skeleton, roots: Sequence[int | None]) -> list[bool]:
