@@ -322,7 +322,9 @@ def _read_motion(file: text.TextFile, position: int, tree: _Hierarchy, options: 
     if options.fps is not None:
         fps = options.fps
     elif frame_time is None:
-        file.fail("Expected a line 'Frame Time:' after MOTION.", offset=position, hint="Give the frame rate (--fps, fps=).")
+        file.fail(
+            "Expected a line 'Frame Time:' after MOTION.", offset=position, hint="Give the frame rate (--fps, fps=)."
+        )
     else:
         fps, said = _frame_rate(file, frame_time, frame_time_line)
         tree.assumptions.extend(said)
