@@ -116,6 +116,12 @@ def test_slices_that_leave_nothing_are_refused() -> None:
         motion[::-1]
 
 
+def test_a_number_of_numpy_is_an_index_too() -> None:
+    """As `np.argmax` gives it."""
+    motion = build()
+    np.testing.assert_array_equal(motion[np.int64(5)].rotations, motion[5].rotations)
+
+
 def test_iteration_ends() -> None:
     """A motion can be looped over, one frame at a time."""
     assert [m.frame_count for m in build(frames=3)] == [1, 1, 1]
