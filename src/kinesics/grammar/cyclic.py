@@ -27,8 +27,8 @@ from kinesics.vocabulary import MovementClass
 Array = NDArray[np.float64]
 C = MovementClass
 
-_LONGEST_S: Final = 8.0
-"""Seconds: a longer cycle is a choreography that is repeated, and has states of its own."""
+_LONGEST_S: Final = 2.5
+"""Seconds: in a longer cycle there is time for states of its own, and they are read like those of any movement."""
 _SLOW: Final = 0.15
 """Of the quickest tenth of a way: slower is standing."""
 _STOPS: Final = 0.1
