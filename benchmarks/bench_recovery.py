@@ -14,6 +14,7 @@ from __future__ import annotations
 import os
 import sys
 import time
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import kinesics as kx
@@ -53,10 +54,15 @@ def one(seed: int, noise: float, jitter: float, distance: bool) -> dict[str, obj
     return row
 
 
+def _one(seed: int) -> dict[str, object]:
+    return one(seed, 1.0, 0.05, distance=True)
+
+
 def run() -> list[Table]:
     """200 graphs with 1° of noise and 5 % of tempo jitter; $KINESICS_RECOVERY_COUNT gives another number."""
     count = int(os.environ.get("KINESICS_RECOVERY_COUNT", "200"))
-    rows = [one(seed, 1.0, 0.05, distance=True) for seed in range(count)]
+    with ProcessPoolExecutor(os.cpu_count()) as pool:
+        rows = list(pool.map(_one, range(count)))
     good = sum(bool(r["recovered"]) for r in rows)
     table = []
     for states in sorted({int(str(r["states"])) for r in rows}):
