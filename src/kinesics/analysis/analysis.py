@@ -26,8 +26,7 @@ from kinesics.grammar.edits import Edits
 from kinesics.grammar.graph import MotionGraph
 from kinesics.grammar.whole import Grammar, attempted, read_grammar
 from kinesics.progress import Progress, silent
-from kinesics.similarity import BETA_RULE, check_weights, default_beta, speed, symmetry_residual
-from kinesics.similarity._inputs import Weights
+from kinesics.similarity import BETA_RULE, Weights, check_weights, default_beta, speed, symmetry_residual
 
 Array = NDArray[np.float64]
 

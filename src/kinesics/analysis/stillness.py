@@ -26,8 +26,7 @@ from numpy.typing import NDArray
 
 from kinesics.body.pose import PoseSequence
 from kinesics.geometry import quaternion
-from kinesics.similarity import check_weights, chord, distance
-from kinesics.similarity._inputs import Weights
+from kinesics.similarity import Weights, check_weights, chord, distance
 from kinesics.similarity.metric import paired_distance
 
 Array = NDArray[np.float64]

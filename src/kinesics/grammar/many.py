@@ -15,7 +15,7 @@ from kinesics.grammar.assembly import Recorded
 from kinesics.grammar.cyclic import Anchor, Cyclic
 from kinesics.grammar.graph import MotionGraph, Source
 from kinesics.progress import Progress, silent
-from kinesics.similarity._inputs import Weights
+from kinesics.similarity import Weights
 
 
 def read_graph(

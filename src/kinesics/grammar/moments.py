@@ -18,6 +18,7 @@ from kinesics.body.pose import PoseSequence
 from kinesics.errors import InputError
 from kinesics.geometry import quaternion
 from kinesics.similarity import (
+    Weights,
     check_weights,
     chord,
     distance,
@@ -25,7 +26,6 @@ from kinesics.similarity import (
     paired_distance,
     symmetry_residual,
 )
-from kinesics.similarity._inputs import Weights
 
 Array = NDArray[np.float64]
 Floats = NDArray[np.float32]

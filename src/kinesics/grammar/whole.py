@@ -22,7 +22,7 @@ from kinesics.grammar.graph import MotionGraph
 from kinesics.grammar.moments import Moments
 from kinesics.grammar.motifs import Motif, Reversal, StateRepetition, Strike
 from kinesics.progress import Progress, silent
-from kinesics.similarity._inputs import Weights
+from kinesics.similarity import Weights
 
 T = TypeVar("T")
 

@@ -18,7 +18,7 @@ from kinesics.errors import InputError
 if TYPE_CHECKING:
     from kinesics.body.pose import PoseSequence
     from kinesics.progress import Progress
-    from kinesics.similarity._inputs import Weights
+    from kinesics.similarity import Weights
 
 Float32 = NDArray[np.float32]
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 import sys
 from types import ModuleType
 
-from kinesics.similarity._inputs import check_weights
+from kinesics.similarity._inputs import Weights, check_weights
 from kinesics.similarity.matrices import BETA_RULE, Similarity, default_beta, similarity
 from kinesics.similarity.metric import chord, distance, mirror_distance, paired_distance, speed, symmetry_residual
 from kinesics.similarity.tiling import Tile, tiles
@@ -25,6 +25,7 @@ __all__ = [
     "DiagonalSums",
     "Similarity",
     "Tile",
+    "Weights",
     "check_weights",
     "chord",
     "default_beta",
