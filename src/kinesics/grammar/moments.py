@@ -119,6 +119,14 @@ class Moments:
         np.fill_diagonal(d, 0.0)
         return d, mirror_distance(q, q, self.weights)
 
+    def between(self, rows: NDArray[np.intp], cols: NDArray[np.intp]) -> tuple[Floats, Floats]:
+        """D and D* between two lists of moments: ``d[i, j]`` is of moment ``rows[i]`` and ``cols[j]``."""
+        if self.dense is not None:
+            return self.dense[0][np.ix_(rows, cols)], self.dense[1][np.ix_(rows, cols)]
+        assert self.poses is not None
+        q = self.poses.quaternions
+        return distance(q[rows], q[cols], self.weights), mirror_distance(q[rows], q[cols], self.weights)
+
     def block(self, start: int = 0, end: int | None = None) -> tuple[Floats, Floats]:
         """D and D* of all pairs of moments in [start, end).
 

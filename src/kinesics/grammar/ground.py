@@ -1,0 +1,331 @@
+"""The map of known ground that a recording draws of itself (§3.5-3.6), and the moments on it where a state may be.
+
+Moment by moment the movement is either where it has been before (the same or mirrored, forwards or backwards) or on new ground.
+Where it leaves or joins known ground, where it stops, turns back or passes its own mirror image, it is marked: there a state may
+be. What counts as near is judged from the recording itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinesics.grammar.moments import Moments
+from kinesics.progress import Progress
+
+Array = NDArray[np.float64]
+Floats = NDArray[np.float32]
+
+STOP_S: Final = 0.2
+"""Seconds that make a stop."""
+PARTING_S: Final = 0.6
+"""Seconds that two ways may take to part."""
+_ROWS: Final = 128
+_SAMPLE: Final = 600
+"""Moments that the thresholds are judged by."""
+_NOISE_FACTOR: Final = 3.0
+"""Two moments of one pose lie this many times the noise apart at most (a χ² with 45 degrees of freedom has no long tail)."""
+_TURN_REACH: Final = 3.0
+"""Seconds that a turning back may take to lead away from its centre."""
+
+
+@dataclass(frozen=True)
+class Nearness:
+    """What counts as near in this recording, in units of D."""
+
+    spread: float
+    """Upper quartile of D between moments: how far the movement goes."""
+    same: float
+    """Moments of repeated movement are nearer than this."""
+    state: float
+    """Moments of one state lie within this of each other."""
+    visit: float
+    """The movement is in a state when it is nearer than this to its middle."""
+    away: float
+    """Beyond this the movement has left."""
+    path: float
+    """Mean distance, warped, of two traversals of one path."""
+
+
+def judge_nearness(moments: Moments) -> Nearness:
+    """What counts as near, from the data: how close repeated movement comes to itself, against how far movement goes.
+
+    For a sample of moments the nearest other moment is sought, once the movement has been away in between. Where much of it
+    recurs, the spread of these distances is that of repetition; what is left lies far off and does not matter.
+    """
+    n = moments.count
+    sample = np.unique(np.linspace(0, n - 1, min(n, _SAMPLE)).round().astype(int))
+    rows: list[tuple[int, Floats, Floats]] = []
+    for first in range(0, len(sample), 64):
+        part = sample[first : first + 64]
+        rows += zip(part.tolist(), *moments.between(part, np.arange(n)), strict=True)
+    nearest: list[float] = []
+    spreads = [float(np.quantile(d, 0.75)) for _, d, _ in rows]
+    spread = float(np.median(spreads)) or 1e-9
+    for t, d, s in rows:
+        away = np.flatnonzero(d > 0.25 * spread)
+        after, before = away[away > t][:1], away[away < t][-1:]
+        best = np.inf
+        if len(after):
+            best = min(best, deepest(d[after[0] :]))
+        if len(before):
+            best = min(best, deepest(d[: before[0] + 1]))
+        if s[t] > 0.25 * spread:
+            best = min(best, deepest(s))
+        nearest.append(best)
+    close = np.array([v for v in nearest if v < 0.12 * spread])
+    recurring = float(np.quantile(close, 0.75)) if len(close) >= 0.1 * len(sample) else 0.03 * spread
+    floor = _NOISE_FACTOR * moments.noise
+    same = max(floor, min(1.5 * recurring, 0.08 * spread), 5e-6)
+    return Nearness(
+        spread=spread,
+        same=same,
+        state=float(np.clip(6.0 * same, 0.15 * spread, max(0.2 * spread, 1.5 * same))),
+        visit=float(np.clip(4.0 * same, 0.04 * spread, max(0.15 * spread, 1.2 * same))),
+        away=max(8.0 * same, 0.25 * spread),
+        path=float(np.clip(5.0 * same, 0.06 * spread, max(0.2 * spread, 3.0 * same))),
+    )
+
+
+def deepest(row: Floats) -> float:
+    """Least distance, between the samples too: D is quadratic about its minimum."""
+    k = int(row.argmin())
+    if 0 < k < len(row) - 1:
+        a, b, c = float(row[k - 1]), float(row[k]), float(row[k + 1])
+        bend = a - 2 * b + c
+        if bend > 1e-12:
+            return max(0.0, b - (a - c) ** 2 / (8 * bend))
+    return float(row[k])
+
+
+def _valleys(row: Floats) -> Floats:
+    """Each local minimum deepened to what it is between the samples."""
+    if len(row) < 3:
+        return row
+    a, b, c = row[:-2], row[1:-1], row[2:]
+    bend = a - 2 * b + c
+    low = (b <= a) & (b <= c) & (bend > 1e-9)
+    out = row.copy()
+    out[1:-1][low] = np.maximum(b[low] - (a[low] - c[low]) ** 2 / (8 * bend[low]), 0)
+    return out
+
+
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """For each moment: new ground, or the earlier moment where the movement was before."""
+
+    new: NDArray[np.bool_]
+    where: NDArray[np.intp]
+    mirrored: NDArray[np.bool_]
+
+
+def localise(moments: Moments, same: float, progress: Progress) -> Ground:
+    """One pass through the recording: every moment is on known ground, or it becomes ground itself.
+
+    Ground that the movement has not left yet is not known: a moment counts only after the movement has been far from it
+    (four times the nearness) in between.
+    """
+    n = moments.count
+    new = np.zeros(n, dtype=np.bool_)
+    where = np.full(n, -1, dtype=np.intp)
+    mirrored = np.zeros(n, dtype=np.bool_)
+    ground = np.empty(n, dtype=np.intp)
+    farthest = np.zeros(n, dtype=np.float32)
+    count = 0
+    last: tuple[int, bool] | None = None  # place on the ground (index into ``ground``) and mirrored
+    for first in range(0, n, _ROWS):
+        stop = min(first + _ROWS, n)
+        progress(first / n, "comparing moments")
+        d_rows, s_rows = moments.tile(slice(first, stop), slice(0, stop))
+        for t in range(first, stop):
+            places = ground[:count]
+            d = d_rows[t - first, places]
+            np.maximum(farthest[:count], d, out=farthest[:count])
+            left = farthest[:count] > 4 * same
+            found: tuple[int, bool] | None = None
+            if count and left.any():
+                d = np.where(left, _valleys(d), np.inf)
+                s = np.where(left, _valleys(s_rows[t - first, places]), np.inf)
+                if last is not None:
+                    low = max(0, last[0] - 6)
+                    part = (s if last[1] else d)[low : last[0] + 7]
+                    k = int(part.argmin())
+                    if part[k] < same:
+                        found = (low + k, last[1])
+                if found is None:
+                    i, k = int(d.argmin()), int(s.argmin())
+                    if min(d[i], s[k]) < same:
+                        # where both fit, near a symmetric pose, the unmirrored one
+                        found = (i, False) if d[i] <= s[k] + 0.2 * same else (k, True)
+            last = found
+            if found is None:
+                new[t] = True
+                ground[count] = t
+                farthest[count] = 0.0
+                count += 1
+            else:
+                where[t] = ground[found[0]]
+                mirrored[t] = found[1]
+    return Ground(new, where, mirrored)
+
+
+def _runs(place: Ground) -> Iterator[tuple[int, int]]:
+    """Stretches [start, end) of new ground, or of known ground followed without a leap."""
+    n = len(place.new)
+    start = 0
+    for t in range(1, n + 1):
+        if t < n:
+            if place.new[t] and place.new[t - 1]:
+                continue
+            if (
+                not place.new[t]
+                and not place.new[t - 1]
+                and place.mirrored[t] == place.mirrored[t - 1]
+                and abs(place.where[t] - place.where[t - 1]) <= 6
+            ):
+                continue
+        yield start, t
+        start = t
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A moment at which the movement may be in a state."""
+
+    moment: int
+    traced: bool
+    """It stops, turns back or passes its mirror image there; else a way parts or joins."""
+
+
+def find_marks(moments: Moments, place: Ground, near: Nearness, breaks: Sequence[int]) -> list[Mark]:
+    """Moments at which the movement may be in a state: where ways part or join, where it stops, turns back, is symmetric."""
+    n = moments.count
+    marks = [Mark(0, False), Mark(n - 1, False)]
+    runs = list(_runs(place))
+    marks += [Mark(start - 1, False) for start, _ in runs[1:]]
+    for start, end in runs:
+        if not place.new[start]:
+            marks += [Mark(t, True) for t in _turns_on_ground(moments, place.where[start:end], start, near)]
+    reach = min(n - 1, max(2, round(_TURN_REACH * moments.fps)))
+    d, _ = moments.by_lag(reach)
+    marks += [Mark((a + b) // 2, True) for a, b in _stops(d, near, max(2, round(STOP_S * moments.fps)))]
+    slow = _local_minima(moments.speed)
+    slow = [t for t in slow if all(abs(t - b) > 1 for b in breaks)]
+    marks += [Mark(t, True) for t in slow if _turns_back(d, t, near)]
+    marks += [Mark(t, True) for t in _symmetric_passages(moments, near) if _stands_alone(moments, t, near)]
+    return _absorbed(moments, marks, near)
+
+
+def _absorbed(moments: Moments, marks: list[Mark], near: Nearness) -> list[Mark]:
+    """Leave out partings and joinings close before or after a stop or a turn: ways part slowly, and join early."""
+    traced = sorted({m.moment for m in marks if m.traced})
+    if not traced:
+        return marks
+    index = np.array(traced)
+    reach = PARTING_S * moments.fps
+    out = []
+    for mark in marks:
+        if not mark.traced:
+            close = index[np.abs(index - mark.moment) <= reach]
+            if len(close) and float(moments.between(np.array([mark.moment]), close)[0].min()) < 2 * near.state:
+                continue
+        out.append(mark)
+    return out
+
+
+def _symmetric_passages(moments: Moments, near: Nearness) -> list[int]:
+    """Moments at which the movement goes through a pose that is its own mirror image (between the samples too)."""
+    depths = _valleys(moments.symmetry.astype(np.float32))
+    return [t for t in _local_minima(moments.symmetry) if depths[t] < near.same]
+
+
+def _stands_alone(moments: Moments, t: int, near: Nearness) -> bool:
+    """Whether a symmetric pose is passed, and not part of a symmetric movement: before the symmetry is lost on either side
+    the movement does not get far, and then it is lost well.
+
+    In a movement that is symmetric throughout no pose is a state for being so.
+    """
+    limit = max(6 * near.same, 0.1 * near.spread)
+    values = moments.symmetry
+    for step in (-1, 1):
+        side = values[t::step]
+        high = np.flatnonzero(side > limit)
+        if not len(high) or (side[1 : high[0]] < values[t]).any():
+            return False
+        lost = t + step * int(np.argmax(side > 3 * near.same))
+        if float(moments.between(np.array([t]), np.array([lost]))[0][0, 0]) > near.away:
+            return False
+    return True
+
+
+def _local_minima(values: Array) -> list[int]:
+    return [t for t in range(1, len(values) - 1) if values[t] <= values[t - 1] and values[t] < values[t + 1]]
+
+
+def _turns_on_ground(moments: Moments, where: NDArray[np.intp], start: int, near: Nearness) -> list[int]:
+    """Where the movement turns back on known ground."""
+    out: list[int] = []
+    direction, extreme, at = 0, int(where[0]), 0
+    first = int(where[0])
+    low = int(where.min())
+    steps = np.arange(low, int(where.max()) + 1)
+    to_first = moments.between(where[:1], steps)[0][0]
+
+    def apart(a: int, b: int) -> bool:
+        if a == first:
+            return bool(to_first[b - low] > 4 * near.same)
+        return bool(moments.between(np.array([a]), np.array([b]))[0][0, 0] > 4 * near.same)
+
+    for k, place in enumerate(where.tolist()):
+        step = place - extreme
+        if direction == 0:
+            if step and apart(first, place):
+                direction, extreme, at = (1 if step > 0 else -1), place, k
+            continue
+        if step * direction > 0:
+            extreme, at = place, k
+        elif step and apart(extreme, place):
+            out.append(start + at)
+            direction, extreme, at = -direction, place, k
+    return out
+
+
+def _stops(d: Floats, near: Nearness, least: int) -> list[tuple[int, int]]:
+    """Stretches in which the pose stays within a part of the nearness of its first moment."""
+    out: list[tuple[int, int]] = []
+    n = d.shape[1]
+    t = 0
+    while t < n - least:
+        k = 1
+        while k < len(d) and t + k < n and d[k, t] < 0.6 * near.same:
+            k += 1
+        if k - 1 >= least:
+            out.append((t, t + k - 1))
+            t += k
+        else:
+            t += 1
+    return out
+
+
+def _turns_back(d: Floats, centre: int, near: Nearness) -> bool:
+    """Whether the movement after a moment is what it was before, backwards, until it is well away from it.
+
+    ``d`` is by lag: d[k, t] is between moments t and t + k.
+    """
+    n = d.shape[1]
+    i = j = centre
+    while True:
+        best, step = np.inf, (0, 0)
+        for a, b in ((1, 1), (2, 1), (1, 2), (1, 0), (0, 1)):
+            x, y = i - a, j + b
+            if x >= 0 and y < n and y - x < len(d) and d[y - x, x] < best:
+                best, step = float(d[y - x, x]), (a, b)
+        if step == (0, 0) or best > near.same:
+            return False
+        i, j = i - step[0], j + step[1]
+        if min(d[centre - i, i], d[j - centre, centre]) > near.away:
+            return True
