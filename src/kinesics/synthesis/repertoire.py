@@ -1,0 +1,341 @@
+"""What a performer has to perform with: recordings on one skeleton and at one frame rate, with their mirror images (§4.4).
+
+**Strands.** Every frame can be played in four ways: 0 as recorded, 1 mirrored, 2 backwards, 3 backwards and mirrored.
+**Moments.** A frame in a strand is one whole number, ``frame + frame_count · strand``, frames counted over all recordings
+put end to end. Time runs from moment to moment within a recording and a strand: in strands 2 and 3 from frame to the frame
+before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kinesics.body import anatomy as _anatomy
+from kinesics.body.mirroring import mirror
+from kinesics.body.motion import Motion
+from kinesics.body.pose import PoseSequence, poses
+from kinesics.body.skeleton import Skeleton
+from kinesics.errors import InputError, SkeletonError
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+STRANDS: Final = ("as recorded", "mirrored", "backwards", "backwards and mirrored")
+"""What each strand plays."""
+
+MIRRORED_STRANDS: Final = (False, True, False, True)
+"""Whether a strand plays the mirror image."""
+
+BACKWARD_STRANDS: Final = (False, False, True, True)
+"""Whether time runs from later frames to earlier ones in a strand."""
+
+
+class FrameStrand(NamedTuple):
+    """A moment taken apart."""
+
+    frame: Indices
+    """Over all recordings end to end."""
+    strand: Indices
+    """0 as recorded, 1 mirrored, 2 backwards, 3 backwards and mirrored."""
+
+
+@dataclass(frozen=True, eq=False)
+class Repertoire:
+    """All recordings on one skeleton and at one frame rate, end to end, with their mirror images.
+
+    Made by `repertoire`. The root joint lies in the pelvis, the ground at y = 0. Arrays are read-only.
+    """
+
+    skeleton: Skeleton
+    """Of the output; it carries its anatomy."""
+    fps: float
+    names: tuple[str, ...]
+    """Of the recordings."""
+    starts: Indices
+    """First frame of each recording and, last, the number of all frames: shape (recordings + 1,)."""
+    rotations: Array
+    """As recorded and mirrored, both on `skeleton`, relative to the parent joints: shape (2, frames, joints, 4)."""
+    root_positions: Array
+    """As recorded and mirrored (x negated), metres, shape (2, frames, 3)."""
+    poses: PoseSequence
+    """The 15 links as recorded (strand 0); ``poses.mirror()`` are those of strand 1."""
+    contacts: NDArray[np.bool_]
+    """Whether the left and the right foot stand on the ground: shape (2, frames, 2)."""
+    source_frames: Array
+    """Place of each frame in its recording, counted in that recording's own frames: shape (frames,)."""
+    source_fps: tuple[float, ...]
+    """Frame rates of the recordings as they came."""
+    assumptions: tuple[str, ...]
+    """What was chosen or assumed, in words."""
+    mirrored: bool
+    """Whether mirrored strands may be used."""
+    backwards: bool
+    """Whether backward strands may be used."""
+
+    @property
+    def frame_count(self) -> int:
+        """Frames of all recordings together."""
+        return int(self.starts[-1])
+
+    @property
+    def recording_count(self) -> int:
+        """How many recordings."""
+        return len(self.names)
+
+    @cached_property
+    def strands(self) -> tuple[int, ...]:
+        """The strands that may be used."""
+        return tuple(
+            s
+            for s in range(4)
+            if (self.mirrored or not MIRRORED_STRANDS[s]) and (self.backwards or not BACKWARD_STRANDS[s])
+        )
+
+    @property
+    def moment_count(self) -> int:
+        """Moments are numbered below this; those of strands that may not be used included."""
+        return 4 * self.frame_count
+
+    def moments(self, frames: ArrayLike, strand: int = 0) -> Indices:
+        """The moments of frames in one strand, any shape."""
+        return np.asarray(frames, dtype=np.intp) + self.frame_count * strand
+
+    def split(self, moments: ArrayLike) -> FrameStrand:
+        """Frame and strand of each moment, any shape."""
+        values = np.asarray(moments, dtype=np.intp)
+        return FrameStrand(values % self.frame_count, values // self.frame_count)
+
+    def frame_of(self, moments: ArrayLike) -> Indices:
+        """Frame of each moment, over all recordings end to end, any shape."""
+        return self.split(moments).frame
+
+    def strand_of(self, moments: ArrayLike) -> Indices:
+        """Strand of each moment, any shape."""
+        return self.split(moments).strand
+
+    def recording_of(self, frames: ArrayLike) -> Indices:
+        """Number of the recording that each frame belongs to, any shape."""
+        return np.searchsorted(self.starts, np.asarray(frames), side="right") - 1
+
+    def is_mirrored(self, moments: ArrayLike) -> NDArray[np.bool_]:
+        """Whether each moment plays the mirror image, any shape."""
+        return np.asarray(MIRRORED_STRANDS)[self.split(moments).strand]
+
+    def is_backward(self, moments: ArrayLike) -> NDArray[np.bool_]:
+        """Whether time runs backwards at each moment, any shape."""
+        return np.asarray(BACKWARD_STRANDS)[self.split(moments).strand]
+
+    def advance(self, moments: ArrayLike, steps: ArrayLike = 1) -> Indices:
+        """The moments ``steps`` frames later in playing (before, if negative); −1 where the recording does not reach."""
+        values, steps = np.broadcast_arrays(np.asarray(moments, dtype=np.intp), np.asarray(steps, dtype=np.intp))
+        frame, strand = self.split(values)
+        reached = frame + np.where(np.asarray(BACKWARD_STRANDS)[strand], -steps, steps)
+        recording = self.recording_of(frame)
+        inside = (reached >= self.starts[recording]) & (reached < self.starts[recording + 1])
+        return np.where(inside, reached + self.frame_count * strand, -1)
+
+    def remaining(self, moments: ArrayLike) -> Indices:
+        """How many frames can be played from each moment on to the end of its recording, itself not counted, any shape."""
+        frame, strand = self.split(moments)
+        recording = self.recording_of(frame)
+        backward = np.asarray(BACKWARD_STRANDS)[strand]
+        return np.where(backward, frame - self.starts[recording], self.starts[recording + 1] - 1 - frame)
+
+    def rotations_of(self, moments: ArrayLike) -> Array:
+        """Joint rotations at moments (n,): shape (n, joints, 4)."""
+        frame, strand = self.split(moments)
+        return self.rotations[strand % 2, frame]
+
+    def roots_of(self, moments: ArrayLike) -> Array:
+        """Positions of the root in the recording's own world (mirrored: its reflection), metres: shape (n, 3)."""
+        frame, strand = self.split(moments)
+        return self.root_positions[strand % 2, frame]
+
+    def quaternions_of(self, moments: ArrayLike) -> Array:
+        """The 15 links at moments (n,), mirrored where the strand is: shape (n, 15, 4)."""
+        frame, strand = self.split(moments)
+        return self._link_rotations[strand % 2, frame]
+
+    def yaw_of(self, moments: ArrayLike) -> Array:
+        """Heading of the pelvis about +y, radians, any shape. Played backwards the body faces as in the frame itself."""
+        frame, strand = self.split(moments)
+        return np.where(strand % 2 == 1, -1.0, 1.0) * self.poses.yaw[frame]
+
+    def contacts_of(self, moments: ArrayLike) -> NDArray[np.bool_]:
+        """Whether the left and the right foot stand on the ground at moments (n,): shape (n, 2)."""
+        frame, strand = self.split(moments)
+        return self.contacts[strand % 2, frame]
+
+    def motion(self, recording: int, strand: int = 0) -> Motion:
+        """One recording, in one strand, as a motion on the output's skeleton.
+
+        Raises
+        ------
+        InputError
+            If there is no such recording or strand.
+        """
+        if not 0 <= recording < self.recording_count or not 0 <= strand < 4:
+            raise InputError(
+                f"Expected a recording below {self.recording_count} and a strand below 4, got {recording} and {strand}."
+            )
+        frames = np.arange(self.starts[recording], self.starts[recording + 1])
+        moments = self.moments(frames[::-1] if BACKWARD_STRANDS[strand] else frames, strand)
+        name = self.names[recording] + (f", {STRANDS[strand]}" if strand else "")
+        return Motion(self.skeleton, self.rotations_of(moments), self.roots_of(moments), self.fps, name=name)
+
+    @cached_property
+    def _link_rotations(self) -> Array:
+        """The links as recorded and mirrored, shape (2, frames, 15, 4)."""
+        return np.stack([self.poses.quaternions, self.poses.mirror().quaternions])
+
+
+def repertoire(
+    motions: Motion | Sequence[Motion],
+    *,
+    skeleton: Skeleton | None = None,
+    fps: float | None = None,
+    mirrored: bool = True,
+    backwards: bool = False,
+) -> Repertoire:
+    """Bring recordings onto one skeleton, one frame rate and one ground, and add their mirror images.
+
+    Parameters
+    ----------
+    motions : of any humanoid skeletons and frame rates; one alone will do.
+    skeleton : of the output; that of the first recording if not given.
+    fps : frames a second of the output; those of the first recording if not given.
+    mirrored : whether mirror images may be performed too.
+    backwards : whether recordings may be played backwards too (reversible paths, §3.5).
+
+    Raises
+    ------
+    InputError
+        If there is no motion, a motion has a single frame, or the frame rate is not positive.
+    SkeletonError
+        If a skeleton cannot be understood as a human body; the message says which recording.
+
+    References
+    ----------
+    [Schultz2012] §4.4.
+    """
+    motions = [motions] if isinstance(motions, Motion) else list(motions)
+    if not motions:
+        raise InputError("Nothing can be performed without recordings: `motions` is empty. Give one or more.")
+    names = tuple(m.name or f"recording {k + 1}" for k, m in enumerate(motions))
+    for name, motion in zip(names, motions, strict=True):
+        if motion.frame_count < 2:
+            raise InputError(f"{name} is a single pose: nothing moves in it. Give recordings of two frames or more.")
+    rate = motions[0].fps if fps is None else float(fps)
+    if not (np.isfinite(rate) and rate > 0):
+        raise InputError(f"Expected a frame rate above 0, got `fps` = {fps}.")
+    understood = [_understood(m, name) for m, name in zip(motions, names, strict=True)]
+    body = understood[0].skeleton if skeleton is None else skeleton
+    said = [f"performed at {rate:g} frames a second" + (f", the rate of {names[0]}" if fps is None else "")]
+    if skeleton is None:
+        said.append(f"performed on the skeleton of {names[0]}")
+    body = _rooted_in_the_pelvis(body)
+    rotations: list[tuple[Array, Array]] = []
+    roots: list[Array] = []
+    contacts: list[NDArray[np.bool_]] = []
+    sources: list[Array] = []
+    for name, motion in zip(names, understood, strict=True):
+        out = _brought(motion.resample(rate), body, name)
+        image = _brought(mirror(out), body, name)
+        floor = _floor(out)
+        out = out.replace(root_positions=out.root_positions - [0.0, floor, 0.0])
+        rotations.append((out.rotations, image.rotations))
+        roots.append(out.root_positions)
+        contacts.append(_contacts(out))
+        sources.append(np.arange(out.frame_count, dtype=np.float64) * (motion.fps / rate))
+    together = np.stack([np.concatenate([pair[k] for pair in rotations]) for k in range(2)])
+    places = np.concatenate(roots)
+    places = np.stack([places, places * [-1.0, 1.0, 1.0]])
+    stands = np.concatenate(contacts)
+    whole = poses(Motion(body, together[0], places[0], rate))
+    arrays = [
+        np.cumsum([0, *(len(r) for r in roots)]).astype(np.intp),
+        together,
+        places,
+        np.stack([stands, stands[:, ::-1]]),
+        np.concatenate(sources),
+    ]
+    for array in arrays:
+        array.setflags(write=False)
+    return Repertoire(
+        skeleton=body,
+        fps=rate,
+        names=names,
+        starts=arrays[0],
+        rotations=arrays[1],
+        root_positions=arrays[2],
+        poses=whole,
+        contacts=arrays[3],
+        source_frames=arrays[4],
+        source_fps=tuple(m.fps for m in motions),
+        assumptions=tuple(said),
+        mirrored=mirrored,
+        backwards=backwards,
+    )
+
+
+def _understood(motion: Motion, name: str) -> Motion:
+    try:
+        return _anatomy.understood(motion)
+    except SkeletonError as error:
+        raise SkeletonError(f"{name}: {error}", found=error.found, missing=error.missing) from error
+
+
+def _rooted_in_the_pelvis(skeleton: Skeleton) -> Skeleton:
+    """The skeleton with the joints above the pelvis (a rig's stand on the floor) drawn into it."""
+    assert skeleton.anatomy is not None
+    offsets = skeleton.offsets.copy()
+    joint = skeleton.anatomy.pelvis
+    while joint > 0:
+        offsets[joint] = 0.0
+        joint = skeleton.parents[joint]
+    return skeleton if np.array_equal(offsets, skeleton.offsets) else skeleton.replace(offsets=offsets)
+
+
+def _brought(motion: Motion, skeleton: Skeleton, name: str) -> Motion:
+    assert skeleton.anatomy is not None
+    if not motion.skeleton.same_tree(skeleton):
+        raise InputError(f"{name} has another skeleton than the one to perform on.")
+    pelvis = motion.positions()[:, skeleton.anatomy.pelvis]
+    return Motion(skeleton, motion.rotations, pelvis, motion.fps, name=motion.name)
+
+
+def _soles(motion: Motion) -> Array:
+    """Height of the lowest of ankle and toes of each foot, metres, shape (frames, 2)."""
+    roles = _anatomy.resolve(motion).roles
+    height = motion.positions()[..., 1]
+    sides = [
+        [
+            j
+            for j in (getattr(roles, f"{s}_tibia"), getattr(roles, f"{s}_foot"), getattr(roles, f"{s}_toes"))
+            if j is not None
+        ]
+        for s in ("left", "right")
+    ]
+    return np.stack([height[:, joints].min(axis=1) for joints in sides], axis=1)
+
+
+def _floor(motion: Motion) -> float:
+    """Height of the ground: feet rest on it more than anywhere else."""
+    return float(np.percentile(_soles(motion).min(axis=1), 10.0))
+
+
+def _contacts(motion: Motion) -> NDArray[np.bool_]:
+    try:
+        from kinesics.body import contacts
+    except ImportError:
+        soles = _soles(motion)
+        speed = np.abs(np.gradient(soles, axis=0)) * motion.fps
+        return np.asarray((soles < 0.05) & (speed < 0.3))
+    found: NDArray[np.bool_] = contacts.foot_contacts(motion)
+    return found
