@@ -51,7 +51,8 @@ class Anatomy:
 
     roles: Roles
     frames: Array
-    """K for each joint, quaternions, shape (joints, 4); the identity for joints that carry no link."""
+    """K for each joint, quaternions, shape (joints, 4). Joints that carry no link have one too: a foot stands flat in it, toes,
+    fingers and joints that only twist go straight on from their parents."""
     clavicle: str = "compose"
     """"compose": the humerus is taken relative to the chest, clavicle included; "drop": relative to the clavicle (§2.16)."""
     profile: str = ""
@@ -230,8 +231,9 @@ def _attach_frames(
     neck_text = {0: "no neck joint: the head's rotation spread over neck and head", 2: ""}.get(
         len(roles.neck), f"neck of {len(roles.neck)} joint(s) spread over two links"
     )
-    frames = _frames_from_rest(skeleton, roles, facing)
-    if frames is not None:
+    rested = _frames_from_rest(skeleton, roles, facing)
+    if rested is not None:
+        frames = rested
         forward = quaternion.rotate(frames[roles.pelvis], np.array([0.0, 0.0, 1.0]))
         said = "as the mapping says" if facing is not None else "by its left and right"
         how = f"anatomical frames from the rest pose, which faces {_direction(forward)} ({said})"
@@ -246,6 +248,7 @@ def _attach_frames(
         "shape": "joint names tell nothing: links found by the skeleton's shape, left and right by the way the knees bend",
         "mapping": "links as the mapping says",
     }.get(roles.naming, f"links by joint names ({roles.naming})")
+    frames = _frames_beyond_links(skeleton, roles, frames, positions, world, rests=rested is not None)
     rule = "clavicle composed with the humerus" if clavicle == "compose" else "clavicle dropped"
     return Anatomy(
         roles=roles,
@@ -407,6 +410,76 @@ def _frames_from_bones(skeleton: Skeleton, roles: Roles, positions: Array, world
             )
             frames[lower] = _limb_frame(lower_dir, carried - (carried @ lower_dir) * lower_dir, target, near)
     return frames
+
+
+def _frames_beyond_links(
+    skeleton: Skeleton, roles: Roles, frames: Array, positions: Array, world: Array, *, rests: bool
+) -> Array:
+    """K of the joints that carry no link.
+
+    A foot's frame is the world's while it stands flat, turned to where the toes point; where the clip does not show it
+    standing, that of the rest pose. Every other joint goes on from its parent as at rest or, where the rest is no human pose,
+    as on the average of the clip.
+    """
+    frames = frames.copy()
+    carriers = {
+        roles.pelvis, *roles.spine, *roles.neck, roles.head, *roles.left_clavicle, *roles.right_clavicle,
+        *(getattr(roles, f"{side}_{part}") for side in _SIDES for part in ("femur", "tibia", "humerus", "radius")),
+    }  # fmt: skip
+    feet = {j: side for side in _SIDES if (j := getattr(roles, f"{side}_foot")) is not None}
+    above = _ancestors(skeleton, roles.pelvis)
+    for j, parent in enumerate(skeleton.parents):
+        if j in carriers:
+            continue
+        if j in above:
+            # a rig's stand on the floor: the T-pose faces +z by it, or by the pelvis alone
+            frames[j] = frames[roles.pelvis] if rests else quaternion.identity()
+            continue
+        if rests:
+            onward = frames[roles.pelvis] if j in feet else frames[parent]
+        else:
+            local = quaternion.multiply(quaternion.conjugate(world[:, parent]), world[:, j])
+            onward = quaternion.multiply(quaternion.conjugate(quaternion.mean(local)), frames[parent])
+        if j in feet:
+            flat = _flat_foot(skeleton, roles, feet[j], positions, world)
+            if flat is not None and (not rests or quaternion.angle(flat, onward) < np.deg2rad(40.0)):
+                onward = flat
+        frames[j] = onward
+    return frames
+
+
+def _flat_foot(skeleton: Skeleton, roles: Roles, side: str, positions: Array, world: Array) -> Array | None:
+    """K of a foot, from how it stands in the clip; None where it is not seen standing."""
+    foot, toes = getattr(roles, f"{side}_foot"), getattr(roles, f"{side}_toes")
+    ahead = _bone(skeleton, foot, toes)
+    if ahead is None or len(positions) < 3:
+        return None
+    ball = positions[:, foot] + quaternion.rotate(world[:, foot], ahead)
+    speed = sum(np.linalg.norm(np.gradient(p, axis=0), axis=1) for p in (ball, positions[:, foot]))
+    over = positions[:, roles.head, 1] - np.maximum(ball[:, 1], positions[:, roles.pelvis, 1])
+    standing = over > 0.5 * over.max()
+    if over.max() <= 0.0 or standing.sum() < 3:
+        return None
+    standing &= (speed <= np.quantile(speed[standing], 0.3)) & (ball[:, 1] <= np.median(ball[standing, 1]))
+    if not standing.any():
+        return None
+    ups = quaternion.rotate(quaternion.conjugate(world[standing, foot]), np.array([0.0, 1.0, 0.0]))
+    up = np.median(ups, axis=0)
+    if np.linalg.norm(up) < 0.5 or np.median(ups @ _unit(up)) < np.cos(np.deg2rad(10.0)):
+        return None  # it rolls all the time
+    y = _unit(up)
+    z = ahead - (ahead @ y) * y
+    if np.linalg.norm(z) < 0.3 * np.linalg.norm(ahead):
+        return None  # on its toes, or the bone is that of the ankle alone
+    z = _unit(z)
+    return quaternion.from_matrix(np.stack([np.cross(y, z), y, z], axis=1))
+
+
+def _ancestors(skeleton: Skeleton, joint: int) -> set[int]:
+    out = set()
+    while (joint := skeleton.parents[joint]) >= 0:
+        out.add(joint)
+    return out
 
 
 def _tip(skeleton: Skeleton, joint: int, end: int | None) -> Array:
