@@ -6,6 +6,7 @@ namespace nb = nanobind;
 void bind_similarity(nb::module_ &m);
 void bind_kinematics(nb::module_ &m);
 void bind_paths(nb::module_ &m);
+void bind_ground(nb::module_ &m);
 #ifdef KINESICS_TEXT
 void bind_text(nb::module_ &m);
 #endif
@@ -15,6 +16,7 @@ NB_MODULE(_native, m) {
     bind_similarity(m);
     bind_kinematics(m);
     bind_paths(m);
+    bind_ground(m);
 #ifdef KINESICS_TEXT
     bind_text(m);
 #endif

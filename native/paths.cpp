@@ -1,8 +1,10 @@
-// Paths of recurrence by dynamic programming: along one lag, and at right angles to the identity axis.
-// The NumPy twins are in kinesics/grammar/lags.py; ties go to the same side there and here.
+// Paths by dynamic programming: along one lag, at right angles to the identity axis, and of a stretch looked up elsewhere.
+// The NumPy twins are in kinesics/grammar (lags.py, motifs.py, evidence.py, reading.py); ties go to the same side there and here.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/pair.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <stdexcept>
@@ -16,6 +18,9 @@ namespace {
 
 using Rows = nb::ndarray<const float, nb::shape<-1, -1>, nb::c_contig, nb::device::cpu>;
 using Path = nb::ndarray<std::int64_t, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
+using Blocks = nb::ndarray<const float, nb::shape<-1, -1, -1>, nb::c_contig, nb::device::cpu>;
+using Weights = nb::ndarray<const double, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
+using FloatCosts = nb::ndarray<float, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
 using Costs = nb::ndarray<double, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
@@ -120,9 +125,173 @@ void turning_costs(Rows rows, std::int64_t reach, double bend, Costs out) {
         }
 }
 
+// What comes before the middle row (or after it) on the cheapest way there, for the columns [first, last) of the result: `half`
+// rows, each step one row and none, one or two columns further in the direction `towards`. The result is left in `run`.
+void seed_side(const float *middle, std::int64_t row_step, std::int64_t n, std::int64_t half, std::int64_t towards, float bend,
+               std::int64_t first, std::int64_t last, std::vector<float> &run, std::vector<float> &next) {
+    // a block of columns with what its paths may come from: the whole of it stays in the first cache
+    const std::int64_t low = towards > 0 ? first : std::max<std::int64_t>(0, first - 2 * half);
+    const std::int64_t high = towards > 0 ? std::min(n, last + 2 * half) : last;
+    const std::int64_t width = high - low;
+    constexpr float kFar = std::numeric_limits<float>::infinity();
+    std::fill(run.begin(), run.begin() + width, 0.f);
+    for (std::int64_t s = half; s > 0; --s) {
+        const float *row = middle + s * row_step + low;
+        float *r = run.data(), *b = next.data();
+        for (std::int64_t j = 0; j < width; ++j) r[j] += row[j];
+        for (std::int64_t j = 0; j < width; ++j) b[j] = r[j] + bend;
+        if (towards > 0) {
+            for (std::int64_t j = 0; j + 1 < width; ++j) b[j] = std::min(b[j], r[j + 1]);
+            for (std::int64_t j = 0; j + 2 < width; ++j) b[j] = std::min(b[j], r[j + 2] + bend);
+            if (high == n) b[width - 1] = kFar;
+        } else {
+            for (std::int64_t j = 1; j < width; ++j) b[j] = std::min(b[j], r[j - 1]);
+            for (std::int64_t j = 2; j < width; ++j) b[j] = std::min(b[j], r[j - 2] + bend);
+            if (low == 0) b[0] = kFar;
+        }
+        std::swap(run, next);
+    }
+}
+
+// rows: an odd number of them. costs(j): mean along the cheapest path of all rows that passes column j in the middle row, of the
+// halves before and after it the worse one.
+void seed_costs(Rows rows, double bend, bool backwards, FloatCosts out) {
+    const std::int64_t n = static_cast<std::int64_t>(rows.shape(1)), half = static_cast<std::int64_t>(rows.shape(0)) / 2;
+    if (static_cast<std::int64_t>(out.shape(0)) != n || rows.shape(0) % 2 != 1)
+        throw std::invalid_argument("seed_costs: an odd number of rows, one cost for each column");
+    const float *middle = rows.data() + half * n;
+    float *costs = out.data();
+    nb::gil_scoped_release released;
+    constexpr std::int64_t kBlock = 2048;
+    const std::size_t room = static_cast<std::size_t>(kBlock + 2 * half);
+    std::vector<float> run(room), next(room);
+    const float step = static_cast<float>(bend), share = static_cast<float>(half + 1);
+    for (std::int64_t first = 0; first < n; first += kBlock) {
+        const std::int64_t last = std::min(n, first + kBlock);
+        for (const std::int64_t direction : {1, -1}) {
+            const std::int64_t towards = backwards ? -direction : direction;
+            seed_side(middle, direction * n, n, half, towards, step, first, last, run, next);
+            const std::int64_t low = towards > 0 ? first : std::max<std::int64_t>(0, first - 2 * half);
+            for (std::int64_t j = first; j < last; ++j) {
+                const float mean = (run[static_cast<std::size_t>(j - low)] + middle[j]) / share;
+                costs[j] = direction > 0 ? mean : std::max(costs[j], mean);
+            }
+        }
+    }
+}
+
+// The cheapest way through all rows that ends at each column, and the column it began at. Steps: one row and one column, one row
+// and two columns, two rows and one column (which counts twice).
+void subsequence(Rows rows, bool backwards, double bend, FloatCosts total_out, Path start_out) {
+    const std::int64_t count = static_cast<std::int64_t>(rows.shape(0)), n = static_cast<std::int64_t>(rows.shape(1));
+    if (count < 1 || static_cast<std::int64_t>(total_out.shape(0)) != n || static_cast<std::int64_t>(start_out.shape(0)) != n)
+        throw std::invalid_argument("subsequence: one cost and one start for each column");
+    float *const totals = total_out.data();
+    std::int64_t *const starts = start_out.data();
+    const float *const cells = rows.data();
+    nb::gil_scoped_release released;
+    constexpr float kFar = std::numeric_limits<float>::infinity();
+    struct Row {
+        std::vector<float> total;
+        std::vector<std::int32_t> start;
+    };
+    const std::size_t size = static_cast<std::size_t>(n);
+    Row before{std::vector<float>(size, kFar), std::vector<std::int32_t>(size)}, last = before, now = before;
+    const float cost = static_cast<float>(bend);
+    const auto row = [&](std::int64_t r) { return cells + (backwards ? count - 1 - r : r) * n; };
+    for (std::size_t j = 0; j < size; ++j) {
+        last.total[j] = row(0)[j];
+        last.start[j] = before.start[j] = static_cast<std::int32_t>(j);
+    }
+    for (std::int64_t r = 1; r < count; ++r) {
+        const float *here = row(r);
+        now.total[0] = kFar;
+        now.start[0] = last.start[0];
+        for (std::size_t j = 1; j < size; ++j) {
+            float best = last.total[j - 1] + here[j];
+            std::int32_t from = last.start[j - 1];
+            if (j >= 2) {
+                const float two = last.total[j - 2] + here[j] + cost;
+                from = two < best ? last.start[j - 2] : from;
+                best = two < best ? two : best;
+            }
+            const float slow = before.total[j - 1] + 2.f * here[j] + cost;
+            from = slow < best ? before.start[j - 1] : from;
+            best = slow < best ? slow : best;
+            now.total[j] = best;
+            now.start[j] = from;
+        }
+        std::swap(before, last);
+        std::swap(last, now);
+    }
+    for (std::size_t j = 0; j < size; ++j) {
+        totals[j] = last.total[j];
+        starts[j] = last.start[j];
+    }
+}
+
+// The cheapest path from (first, last) inwards to the identity axis. Returns its cost and where it ends.
+std::pair<double, std::int64_t> folded(Rows distance, Weights weight) {
+    const std::int64_t n = static_cast<std::int64_t>(distance.shape(0));
+    if (n < 1 || static_cast<std::int64_t>(distance.shape(1)) != n || static_cast<std::int64_t>(weight.shape(0)) != n)
+        throw std::invalid_argument("folded: a square and one weight for each row");
+    const float *cells = distance.data();
+    const double *w = weight.data();
+    nb::gil_scoped_release released;
+    // row i holds the costs at (i from the front, j from the back), up to i + j = n - 1
+    std::vector<double> cost(static_cast<std::size_t>(n), kInf);
+    double best = kInf;
+    std::int64_t end = 0;
+    for (std::int64_t i = 0; i < n; ++i) {
+        double left = kInf;
+        for (std::int64_t j = 0; i + j < n; ++j) {
+            const double cell = static_cast<double>(cells[i * n + (n - 1 - j)]);
+            const double back = w[n - 1 - j];
+            double here;
+            if (i == 0 && j == 0) {
+                here = cell * (w[0] + back);
+            } else {
+                const double down = i > 0 ? cost[static_cast<std::size_t>(j)] + cell * w[i] : kInf;
+                here = std::min(down, left + cell * back);
+            }
+            cost[static_cast<std::size_t>(j)] = left = here;
+        }
+        const double last = cost[static_cast<std::size_t>(n - 1 - i)];
+        if (last < best) best = last, end = i;
+    }
+    return {best, end};
+}
+
+// Mean distance along the best monotone way from corner to corner of each square block.
+void warped(Blocks blocks, Costs out) {
+    const std::int64_t count = static_cast<std::int64_t>(blocks.shape(0)), p = static_cast<std::int64_t>(blocks.shape(1));
+    if (p < 1 || static_cast<std::int64_t>(blocks.shape(2)) != p || static_cast<std::int64_t>(out.shape(0)) != count)
+        throw std::invalid_argument("warped: square blocks, one cost for each");
+    std::vector<double> before(static_cast<std::size_t>(p) + 1), now(before);
+    for (std::int64_t b = 0; b < count; ++b) {
+        const float *cells = blocks.data() + b * p * p;
+        std::fill(before.begin(), before.end(), kInf);
+        before[0] = 0.0;
+        for (std::int64_t i = 0; i < p; ++i) {
+            now[0] = kInf;
+            for (std::size_t j = 0; j < static_cast<std::size_t>(p); ++j) {
+                const double here = static_cast<double>(cells[i * p + static_cast<std::int64_t>(j)]);
+                now[j + 1] = here + std::min(before[j] + here, std::min(before[j + 1], now[j]));
+            }
+            std::swap(before, now);
+        }
+        out.data()[b] = before[static_cast<std::size_t>(p)] / static_cast<double>(2 * p);
+    }
+}
+
 }  // namespace
 
 void bind_paths(nb::module_ &m) {
+    m.def("seed_costs", &seed_costs, "rows"_a.noconvert(), "bend"_a, "backwards"_a, "out"_a.noconvert());
+    m.def("subsequence", &subsequence, "rows"_a.noconvert(), "backwards"_a, "bend"_a, "total"_a.noconvert(),
+          "start"_a.noconvert());
+    m.def("folded", &folded, "distance"_a.noconvert(), "weight"_a.noconvert());
+    m.def("warped", &warped, "blocks"_a.noconvert(), "out"_a.noconvert());
     m.def("cheapest_path", &cheapest_path, "rows"_a.noconvert(), "low"_a, "width"_a, "bend"_a, "out"_a.noconvert());
     m.def("turning_costs", &turning_costs, "rows"_a.noconvert(), "reach"_a, "bend"_a, "out"_a.noconvert());
 }

@@ -3,6 +3,7 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
@@ -28,6 +29,7 @@ namespace {
 using Doubles3 = nb::ndarray<const double, nb::shape<-1, -1, -1>, nb::c_contig, nb::device::cpu>;
 using Doubles2 = nb::ndarray<const double, nb::shape<-1, -1>, nb::c_contig, nb::device::cpu>;
 using Doubles1 = nb::ndarray<const double, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
+using Index = nb::ndarray<const std::int64_t, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
 using Floats2 = nb::ndarray<float, nb::shape<-1, -1>, nb::c_contig, nb::device::cpu>;
 
 struct AlignedDelete {
@@ -85,6 +87,28 @@ class Poses {
                     block[(kGravityRow + c) * kLanes + lane] = float(g[frame * 3 + c] * gravity_factor);
             }
         });
+    }
+
+    // Some frames of other poses, in the order given.
+    Poses(const Poses &of, Index frames) : frames_(std::int64_t(frames.shape(0))), root_constant_(of.root_constant_) {
+        const std::int64_t *index = frames.data();
+        for (std::int64_t k = 0; k < frames_; ++k)
+            if (index[k] < 0 || index[k] >= of.frames_) throw std::invalid_argument("kinesics._native.Poses: no such frame");
+        const std::int64_t lanes = (frames_ + kTile - 1) / kTile * kTile;
+        blocks_.reset(new (std::align_val_t(64)) float[std::size_t(lanes / kLanes) * kBlockFloats]);
+        for (std::int64_t b = 0; b < lanes / kLanes; ++b) {
+            float *block = blocks_.get() + std::size_t(b) * kBlockFloats;
+            for (int lane = 0; lane < kLanes; ++lane) {
+                const std::int64_t k = b * kLanes + lane;
+                if (k >= frames_) {
+                    for (int row = 0; row < kRows; ++row) block[row * kLanes + lane] = 0.f;
+                    continue;
+                }
+                const std::int64_t frame = index[k] + of.lead_;
+                const float *from = of.blocks_.get() + std::size_t(frame / kLanes) * kBlockFloats + frame % kLanes;
+                for (int row = 0; row < kRows; ++row) block[row * kLanes + lane] = from[row * kLanes];
+            }
+        }
     }
 
     std::int64_t frames() const { return frames_; }
@@ -244,6 +268,8 @@ void bind_similarity(nb::module_ &m) {
     nb::class_<Poses>(m, "Poses")
         .def(nb::init<Doubles3, Doubles2, Doubles1, std::int64_t>(), "quaternions"_a.noconvert(), "gravity"_a.noconvert(),
              "weights"_a.noconvert(), "lead"_a = 0)
+        .def("taken", [](const Poses &of, Index frames) { return std::make_unique<Poses>(of, frames); },
+             "frames"_a.noconvert())
         .def_prop_ro("frames", &Poses::frames)
         .def_prop_ro("tile_count", &tile_count);
     m.def("similarity_tiles", &similarity_tiles, "poses"_a, "z"_a.noconvert(), "z_mirror"_a.noconvert().none(), "beta"_a,

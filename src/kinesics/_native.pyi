@@ -11,6 +11,8 @@ class Poses:
 
     def __init__(self, quaternions: _Doubles, gravity: _Doubles, weights: _Doubles, lead: int = 0) -> None:
         """Shapes (n, 15, 4), (n, 3), (15,). ``lead``: floats between a cache line and the start of the output."""
+    def taken(self, frames: NDArray[np.int64]) -> Poses:
+        """Some frames, in the order given."""
     @property
     def frames(self) -> int: ...
     @property
@@ -73,6 +75,37 @@ def cheapest_path(rows: _Floats, low: int, width: int, bend: float, out: NDArray
 
 def turning_costs(rows: _Floats, reach: int, bend: float, out: _Doubles) -> None:
     """Fill ``out`` with the mean distance along the cheapest path outwards from each place, shape (2n − 1,)."""
+
+def seed_costs(rows: _Floats, bend: float, backwards: bool, out: _Floats) -> None:
+    """Fill ``out`` with the mean along the cheapest path of all rows that passes each column in the middle one, the worse half."""
+
+def subsequence(rows: _Floats, backwards: bool, bend: float, total: _Floats, start: NDArray[np.int64]) -> None:
+    """Fill in the cheapest way through all rows that ends at each column, and the column it began at."""
+
+def folded(distance: _Floats, weight: _Doubles) -> tuple[float, int]:
+    """The cheapest path from (first, last) inwards to the identity axis, and the row where it ends."""
+
+def warped(blocks: _Floats, out: _Doubles) -> None:
+    """Fill ``out`` with the mean along the best monotone way from corner to corner of each square block."""
+
+def localise(
+    d: _Floats,
+    s: _Floats,
+    first: int,
+    same: float,
+    count: int,
+    last: int,
+    last_mirrored: bool,
+    ground: NDArray[np.int64],
+    farthest: _Floats,
+    new: NDArray[np.bool_],
+    where: NDArray[np.int64],
+    mirrored: NDArray[np.bool_],
+) -> tuple[int, int, bool]:
+    """Where moments from ``first`` on were before; columns of d and s: the ground so far, then these moments.
+
+    Returns how many places there are on the ground now, the place of the last moment (−1: none), and whether it is mirrored.
+    """
 
 def parse_rows(data: bytes, start: int, columns: int) -> tuple[_Doubles, int]:
     """Rows of numbers, one a line; and the byte where the first line begins that is not one, or −1."""

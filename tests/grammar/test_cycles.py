@@ -123,7 +123,7 @@ def test_folding_a_movement_is_what_trying_all_finds(rng: np.random.Generator):
         d = rng.uniform(size=(n, n))
         d = d + d.T
         weight = rng.uniform(0.1, 1.0, n)
-        assert evidence._folded(d, weight)[0] == pytest.approx(naive.folded(d, weight))
+        assert evidence.folded(d, weight)[0] == pytest.approx(naive.folded(d, weight))
 
 
 def test_window_means_by_lag_are_those_of_all_pairs(rng: np.random.Generator):

@@ -169,7 +169,7 @@ def test_the_cheapest_way_is_that_of_all_ways(rng: np.random.Generator) -> None:
 
     for rows in (1, 2, 3, 6):
         tile = rng.random((rows, 9)).astype(np.float32)
-        costs, starts = motifs._subsequence(tile, 0.1)
+        costs, starts = motifs.subsequence(tile, 0.1)
         expected, begins = naive.subsequence(tile, 0.1)
         np.testing.assert_allclose(costs, expected, rtol=1e-5)
         reached = np.isfinite(expected)

@@ -17,6 +17,11 @@ from numpy.typing import NDArray
 from kinesics.grammar import lags, period
 from kinesics.grammar.moments import Moments
 
+try:
+    from kinesics import _native
+except ImportError:  # built without a compiler: NumPy does it, more slowly
+    _native = None  # type: ignore[assignment]
+
 Array = NDArray[np.float64]
 Distances = NDArray[Any]
 
@@ -231,8 +236,8 @@ def single(moments: Moments, start: int, end: int) -> SingleEvidence | None:
     def residual(cost: float) -> float:
         return max(cost - moments.noise, 0.0) / full
 
-    reverse, centre = _folded(d, weight)
-    both, _ = _folded(mirrored, weight)
+    reverse, centre = folded(d, weight)
+    both, _ = folded(mirrored, weight)
     speed = _without_noise(moments, start, end)[index]
     mean_speed = float((speed * weight).sum())
     return SingleEvidence(
@@ -306,9 +311,11 @@ def _window_mean(by_lag: Distances, start: int, width: int) -> float:
     return total / (width * width)
 
 
-def _folded(distance: Distances, weight: Array) -> tuple[float, int]:
+def folded(distance: Distances, weight: Array) -> tuple[float, int]:
     """The cheapest path from (first, last) inwards to the identity axis, mean distance by way travelled; and where it ends."""
     n = len(distance)
+    if lags.compiled():
+        return _native.folded(np.ascontiguousarray(distance, dtype=np.float32), np.ascontiguousarray(weight))
     cells = distance[:, ::-1].astype(np.float64)  # (i from the front, j from the back)
     back = weight[::-1]
     cost = np.full((n, n), np.inf)

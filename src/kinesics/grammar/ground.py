@@ -14,8 +14,14 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from kinesics.grammar import lags
 from kinesics.grammar.moments import Moments
 from kinesics.progress import Progress
+
+try:
+    from kinesics import _native
+except ImportError:  # built without a compiler: NumPy does it, more slowly
+    _native = None  # type: ignore[assignment]
 
 Array = NDArray[np.float64]
 Floats = NDArray[np.float32]
@@ -25,6 +31,8 @@ STOP_S: Final = 0.2
 PARTING_S: Final = 0.6
 """Seconds that two ways may take to part."""
 _ROWS: Final = 128
+_FOLLOWED: Final = 6
+"""Known ground is followed without a leap while one moment further is at most so many places further."""
 _SAMPLE: Final = 600
 """Moments that the thresholds are judged by."""
 _NOISE_FACTOR: Final = 3.0
@@ -119,7 +127,7 @@ class Ground:
     """For each moment: new ground, or the earlier moment where the movement was before."""
 
     new: NDArray[np.bool_]
-    where: NDArray[np.intp]
+    where: NDArray[np.int64]
     mirrored: NDArray[np.bool_]
 
 
@@ -130,47 +138,83 @@ def localise(moments: Moments, same: float, progress: Progress) -> Ground:
     (four times the nearness) in between.
     """
     n = moments.count
-    new = np.zeros(n, dtype=np.bool_)
-    where = np.full(n, -1, dtype=np.intp)
-    mirrored = np.zeros(n, dtype=np.bool_)
-    ground = np.empty(n, dtype=np.intp)
+    out = Ground(np.zeros(n, dtype=np.bool_), np.full(n, -1, dtype=np.int64), np.zeros(n, dtype=np.bool_))
+    places = np.empty(n, dtype=np.int64)
     farthest = np.zeros(n, dtype=np.float32)
-    count = 0
-    last: tuple[int, bool] | None = None  # place on the ground (index into ``ground``) and mirrored
+    step = _compiled_block if lags.compiled() else _block
+    count, last, last_mirrored = 0, -1, False
     for first in range(0, n, _ROWS):
         stop = min(first + _ROWS, n)
         progress(first / n, "comparing moments")
-        d_rows, s_rows = moments.tile(slice(first, stop), slice(0, stop))
-        for t in range(first, stop):
-            places = ground[:count]
-            d = d_rows[t - first, places]
-            np.maximum(farthest[:count], d, out=farthest[:count])
-            left = farthest[:count] > 4 * same
-            found: tuple[int, bool] | None = None
-            if count and left.any():
-                d = np.where(left, _valleys(d), np.inf)
-                s = np.where(left, _valleys(s_rows[t - first, places]), np.inf)
-                if last is not None:
-                    low = max(0, last[0] - 6)
-                    part = (s if last[1] else d)[low : last[0] + 7]
-                    k = int(part.argmin())
-                    if part[k] < same:
-                        found = (low + k, last[1])
-                if found is None:
-                    i, k = int(d.argmin()), int(s.argmin())
-                    if min(d[i], s[k]) < same:
-                        # where both fit, near a symmetric pose, the unmirrored one
-                        found = (i, False) if d[i] <= s[k] + 0.2 * same else (k, True)
-            last = found
-            if found is None:
-                new[t] = True
-                ground[count] = t
-                farthest[count] = 0.0
-                count += 1
-            else:
-                where[t] = ground[found[0]]
-                mirrored[t] = found[1]
-    return Ground(new, where, mirrored)
+        here = np.arange(first, stop)
+        d, s = moments.between(here, np.concatenate([places[:count], here]))
+        count, last, last_mirrored = step(d, s, first, same, count, last, last_mirrored, places, farthest, out)
+    return out
+
+
+def _compiled_block(
+    d: Floats,
+    s: Floats,
+    first: int,
+    same: float,
+    count: int,
+    last: int,
+    last_mirrored: bool,
+    places: NDArray[np.int64],
+    farthest: Floats,
+    out: Ground,
+) -> tuple[int, int, bool]:
+    return _native.localise(
+        d, s, first, same, count, last, last_mirrored, places, farthest, out.new, out.where, out.mirrored
+    )
+
+
+def _block(
+    d: Floats,
+    s: Floats,
+    first: int,
+    same: float,
+    count: int,
+    last: int,
+    last_mirrored: bool,
+    places: NDArray[np.int64],
+    farthest: Floats,
+    out: Ground,
+) -> tuple[int, int, bool]:
+    """Some moments further: d and s are between them and the places so far, then themselves."""
+    before = count
+    columns = np.empty(before + len(d), dtype=np.intp)
+    columns[:before] = np.arange(before)
+    for row, t in enumerate(range(first, first + len(d))):
+        here = d[row, columns[:count]]
+        np.maximum(farthest[:count], here, out=farthest[:count])
+        left = farthest[:count] > 4 * same
+        found, is_mirrored = -1, False
+        if count and left.any():
+            straight = np.where(left, _valleys(here), np.inf)
+            image = np.where(left, _valleys(s[row, columns[:count]]), np.inf)
+            if last >= 0:
+                low = max(0, last - _FOLLOWED)
+                part = (image if last_mirrored else straight)[low : last + _FOLLOWED + 1]
+                k = int(part.argmin())
+                if part[k] < same:
+                    found, is_mirrored = low + k, last_mirrored
+            if found < 0:
+                i, k = int(straight.argmin()), int(image.argmin())
+                if min(straight[i], image[k]) < same:
+                    # where both fit, near a symmetric pose, the unmirrored one
+                    found, is_mirrored = (i, False) if straight[i] <= image[k] + 0.2 * same else (k, True)
+        out.new[t] = found < 0
+        if found < 0:
+            places[count] = t
+            columns[count] = before + row
+            farthest[count] = 0.0
+            count += 1
+        else:
+            out.where[t] = places[found]
+            out.mirrored[t] = is_mirrored
+        last, last_mirrored = found, is_mirrored
+    return count, last, last_mirrored
 
 
 def _runs(place: Ground) -> Iterator[tuple[int, int]]:
@@ -185,7 +229,7 @@ def _runs(place: Ground) -> Iterator[tuple[int, int]]:
                 not place.new[t]
                 and not place.new[t - 1]
                 and place.mirrored[t] == place.mirrored[t - 1]
-                and abs(place.where[t] - place.where[t - 1]) <= 6
+                and abs(place.where[t] - place.where[t - 1]) <= _FOLLOWED
             ):
                 continue
         yield start, t

@@ -88,7 +88,7 @@ def follow(by_lag: Distances, lag: float, *, bend: float, band: float = BAND) ->
     length = by_lag.shape[1] - high
     if length < 3 or high < low:
         return None
-    if _compiled():
+    if compiled():
         path = np.empty(length, dtype=np.int64)
         _native.cheapest_path(np.ascontiguousarray(by_lag, dtype=np.float32), low, high + 1 - low, bend, path)
         lags = path.astype(np.intp)
@@ -97,7 +97,8 @@ def follow(by_lag: Distances, lag: float, *, bend: float, band: float = BAND) ->
     return LagPath(lags + low, by_lag[low + lags, np.arange(length)].astype(np.float64))
 
 
-def _compiled() -> bool:
+def compiled() -> bool:
+    """Whether the compiled module does the work; else NumPy does it, more slowly (``KINESICS_NO_NATIVE=1`` asks for that)."""
     return _native is not None and os.environ.get("KINESICS_NO_NATIVE", "") in ("", "0")
 
 
@@ -137,7 +138,7 @@ def turning(by_lag: Distances, reach: int, *, bend: float) -> Turning:
     """
     n = by_lag.shape[1]
     costs = np.full(2 * n - 1, np.inf)
-    if _compiled():
+    if compiled():
         _native.turning_costs(np.ascontiguousarray(by_lag, dtype=np.float32), reach, bend, costs)
         return Turning(costs)
     places = np.arange(2 * n - 1)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -18,11 +19,10 @@ from kinesics.body.pose import PoseSequence
 from kinesics.errors import InputError
 from kinesics.geometry import quaternion
 from kinesics.similarity import (
+    Prepared,
     Weights,
     check_weights,
     chord,
-    distance,
-    mirror_distance,
     paired_distance,
     symmetry_residual,
 )
@@ -99,33 +99,31 @@ class Moments:
         """D and D* between two ranges of moments: ``d[i, j]`` is of moment ``rows.start + i`` and ``cols.start + j``."""
         if self.dense is not None:
             return self.dense[0][rows, cols], self.dense[1][rows, cols]
-        assert self.poses is not None
-        q = self.poses.quaternions
-        a, b = q[rows], q[cols]
-        d = distance(a, b, self.weights)
         first, second = rows.indices(self.count)[0], cols.indices(self.count)[0]
+        d, mirrored = self._prepared.distances(rows, cols)
         # rounding leaves up to 4e-7 between a moment and itself
-        same = np.arange(max(first, second), min(first + len(a), second + len(b)))
+        same = np.arange(max(first, second), min(first + d.shape[0], second + d.shape[1]))
         d[same - first, same - second] = 0.0
-        return d, mirror_distance(a, b, self.weights)
+        return d, mirrored
+
+    @cached_property
+    def _prepared(self) -> Prepared:
+        assert self.poses is not None
+        return Prepared(self.poses, self.weights)
 
     def thinned(self, index: NDArray[np.intp]) -> tuple[Floats, Floats]:
         """D and D* between the moments of an index, all pairs."""
         if self.dense is not None:
             return self.dense[0][np.ix_(index, index)], self.dense[1][np.ix_(index, index)]
-        assert self.poses is not None
-        q = self.poses.quaternions[index]
-        d = distance(q, q, self.weights)
+        d, mirrored = self._prepared.distances(index, index)
         np.fill_diagonal(d, 0.0)
-        return d, mirror_distance(q, q, self.weights)
+        return d, mirrored
 
     def between(self, rows: NDArray[np.intp], cols: NDArray[np.intp]) -> tuple[Floats, Floats]:
         """D and D* between two lists of moments: ``d[i, j]`` is of moment ``rows[i]`` and ``cols[j]``."""
         if self.dense is not None:
             return self.dense[0][np.ix_(rows, cols)], self.dense[1][np.ix_(rows, cols)]
-        assert self.poses is not None
-        q = self.poses.quaternions
-        return distance(q[rows], q[cols], self.weights), mirror_distance(q[rows], q[cols], self.weights)
+        return self._prepared.distances(rows, cols)
 
     def block(self, start: int = 0, end: int | None = None) -> tuple[Floats, Floats]:
         """D and D* of all pairs of moments in [start, end).

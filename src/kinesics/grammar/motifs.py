@@ -31,6 +31,11 @@ from kinesics.grammar.phrases import RATE, STILL, spread, thinned
 from kinesics.progress import Progress, silent
 from kinesics.similarity import chord
 
+try:
+    from kinesics import _native
+except ImportError:  # built without a compiler: NumPy does it, more slowly
+    _native = None  # type: ignore[assignment]
+
 Array = NDArray[np.float64]
 Floats = NDArray[np.float32]
 
@@ -207,7 +212,7 @@ class _Search:
         nearest = 10**9
         for mirrored, tile in enumerate(self._rows(own.start, own.stop)):
             for backwards in (False, True):
-                cost = self._seed(tile, backwards=backwards)
+                cost = seed_costs(tile, self.bend, backwards=backwards)
                 cost[max(0, i - 2 * half) : i + 2 * half + 1] = (
                     np.inf if not mirrored or backwards else cost[max(0, i - 2 * half) : i + 2 * half + 1]
                 )
@@ -262,7 +267,9 @@ class _Search:
         if i - half < 0 or i + half >= n:
             return 10**9
         tile = self._rows(i - half, i + half + 1)[0][:, low:high]
-        cost = (self._seed(tile, backwards=False) - self.moments.noise) / max(float(self.short_range[i]), 1e-12)
+        cost = (seed_costs(tile, self.bend, backwards=False) - self.moments.noise) / max(
+            float(self.short_range[i]), 1e-12
+        )
         best = 10**9
         for side in (cost[i - low :], cost[i - low :: -1]):
             risen = np.maximum.accumulate(np.where(np.isfinite(side), side, 0.0)) > _GAIN
@@ -287,26 +294,6 @@ class _Search:
         first = int(np.searchsorted(share, _EDGE, side="right")) - 1
         last = int(np.searchsorted(share, 1.0 - _EDGE))
         return a + max(0, first), a + min(len(way), last + 1)
-
-    def _seed(self, tile: Floats, *, backwards: bool) -> Floats:
-        """Mean distance along the cheapest path of all rows that passes the middle row at each column, the worse half."""
-        half = len(tile) // 2
-        sides = []
-        for direction in (1, -1):
-            run = np.zeros(tile.shape[1], dtype=np.float32)
-            towards = -direction if backwards else direction
-            for s in range(half, 0, -1):
-                run = run + tile[half + direction * s]
-                best = run + self.bend
-                _lower(best, run, towards, 0.0)
-                _lower(best, run, 2 * towards, self.bend)
-                # beyond the recording there is nothing
-                edge = slice(-1, None) if towards > 0 else slice(0, 1)
-                best[edge] = np.inf
-                run = best
-            sides.append((run + tile[half]) / np.float32(half + 1))
-        worse: Floats = np.maximum(*sides)
-        return worse
 
     def _extent(self, i: int, j: int, most: int, *, mirrored: bool, backwards: bool) -> tuple[int, int]:
         """How many moments before and after ``i``, at most, the agreement with what surrounds ``j`` goes on."""
@@ -364,7 +351,7 @@ class _Search:
         for mirrored, tile in enumerate(moments.tile(slice(a, b), slice(0, n))):
             for backwards in (False, True):
                 rows = tile[::-1] if backwards else tile
-                cost, start = _subsequence(rows, float(self.bend))
+                cost, start = subsequence(tile, float(self.bend), backwards=backwards)
                 share = (cost / (b - a) - moments.noise) / size
                 which = 2 * backwards + mirrored
                 tables[which] = rows
@@ -402,6 +389,31 @@ _MOST_HITS: Final = 4
 """Of each relation, that are followed to see how long a stretch recurs."""
 
 
+def seed_costs(tile: Floats, bend: np.float32, *, backwards: bool) -> Floats:
+    """Mean distance along the cheapest path of all rows that passes the middle row at each column, the worse half."""
+    if lags.compiled():
+        out = np.empty(tile.shape[1], dtype=np.float32)
+        _native.seed_costs(np.ascontiguousarray(tile), float(bend), backwards, out)
+        return out
+    half = len(tile) // 2
+    sides = []
+    for direction in (1, -1):
+        run = np.zeros(tile.shape[1], dtype=np.float32)
+        towards = -direction if backwards else direction
+        for s in range(half, 0, -1):
+            run = run + tile[half + direction * s]
+            best = run + bend
+            _lower(best, run, towards, 0.0)
+            _lower(best, run, 2 * towards, bend)
+            # beyond the recording there is nothing
+            edge = slice(-1, None) if towards > 0 else slice(0, 1)
+            best[edge] = np.inf
+            run = best
+        sides.append((run + tile[half]) / np.float32(half + 1))
+    worse: Floats = np.maximum(*sides)
+    return worse
+
+
 def _lower(best: Floats, run: Floats, shift: int, cost: float | np.float32) -> None:
     """``best[j] = min(best[j], run[j + shift] + cost)``."""
     k = abs(shift)
@@ -422,13 +434,18 @@ def _advance(total: Array, before: Array, gain: Array, bend: float) -> Array:
     return best
 
 
-def _subsequence(tile: Floats, bend: float) -> tuple[Floats, NDArray[np.intp]]:
+def subsequence(tile: Floats, bend: float, *, backwards: bool = False) -> tuple[Floats, NDArray[np.intp]]:
     """The cheapest way through all rows that ends at each column: summed distance, and the column it began at.
 
     Each step goes on by one row and one column, one row and two columns, or two rows and one column (the row between counts as
-    much as the one that is reached), so that the tempo stays between half and double.
+    much as the one that is reached), so that the tempo stays between half and double. With ``backwards`` the last row comes first.
     """
     rows, n = tile.shape
+    if lags.compiled():
+        totals, starts = np.empty(n, dtype=np.float32), np.empty(n, dtype=np.int64)
+        _native.subsequence(np.ascontiguousarray(tile), backwards, bend, totals, starts)
+        return totals, starts
+    tile = tile[::-1] if backwards else tile
     cost = np.float32(bend)
     total, start = tile[0].copy(), np.arange(n)
     before, before_start = np.full(n, np.inf, dtype=np.float32), start
@@ -450,7 +467,7 @@ def _subsequence(tile: Floats, bend: float) -> tuple[Floats, NDArray[np.intp]]:
 
 
 def _path(tile: Floats, bend: float) -> list[tuple[int, int]]:
-    """Rows and columns of the cheapest way through all rows, with the steps of `_subsequence`; ends may be free by an eighth."""
+    """Rows and columns of the cheapest way through all rows, with the steps of `subsequence`; ends may be free by an eighth."""
     rows, n = tile.shape
     total = np.full((rows, n), np.inf)
     came = np.zeros((rows, n), dtype=np.int8)

@@ -17,11 +17,16 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kinesics.grammar import ground
+from kinesics.grammar import ground, lags
 from kinesics.grammar.cyclic import Cyclic
 from kinesics.grammar.ground import Mark, Nearness
 from kinesics.grammar.moments import Moments
 from kinesics.progress import Progress, silent
+
+try:
+    from kinesics import _native
+except ImportError:  # built without a compiler: NumPy does it, more slowly
+    _native = None  # type: ignore[assignment]
 
 Array = NDArray[np.float64]
 Floats = NDArray[np.float32]
@@ -217,9 +222,13 @@ def _visits(moments: Moments, states: Sequence[ReadState], radius: float, breaks
 _POINTS: Final = 24
 
 
-def _warped(blocks: Floats) -> Array:
+def warped(blocks: Floats) -> Array:
     """Mean distance along the best monotone way from corner to corner, for many square blocks at once. (b, p, p) to (b,)."""
     count, p, _ = blocks.shape
+    if lags.compiled():
+        out = np.empty(count)
+        _native.warped(np.ascontiguousarray(blocks), out)
+        return out
     total = np.full((count, p + 1, p + 1), np.inf)
     total[:, 0, 0] = 0.0
     for i in range(p):
@@ -291,7 +300,7 @@ def _traverse(
                     trials.append((k, reverse, mirror))
                     blocks.append(block[:, ::-1] if reverse else block)
         if blocks:
-            costs = _warped(np.stack(blocks))
+            costs = warped(np.stack(blocks))
             best = int(costs.argmin())
             if costs[best] < near.path:
                 k, reverse, mirror = trials[best]
@@ -349,7 +358,7 @@ def self_symmetry(moments: Moments, stretches: Sequence[tuple[int, int]]) -> tup
         points = np.linspace(start, end, _POINTS).round().astype(np.intp)
         blocks.append(moments.between(points, points)[1])
     s = np.stack(blocks)
-    return float(np.diagonal(s, axis1=1, axis2=2).mean()), float(_warped(s[:, :, ::-1]).mean())
+    return float(np.diagonal(s, axis1=1, axis2=2).mean()), float(warped(s[:, :, ::-1]).mean())
 
 
 def _shadows(moments: Moments, states: Sequence[ReadState], visits: Sequence[Visit], near: Nearness) -> set[int]:

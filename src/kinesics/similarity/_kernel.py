@@ -85,6 +85,12 @@ class _NumpyPoses:
         out.frames = len(out.gravity)
         return out
 
+    def taken(self, frames: NDArray[np.intp]) -> _NumpyPoses:
+        out = object.__new__(_NumpyPoses)
+        out.links, out.gravity, out.root_constant = self.links[:, frames], self.gravity[frames], self.root_constant
+        out.frames = len(out.gravity)
+        return out
+
     def mirror(self) -> _NumpyPoses:
         out = object.__new__(_NumpyPoses)
         out.frames, out.root_constant = self.frames, self.root_constant
@@ -101,6 +107,16 @@ def pack(quaternions: Array, weights: Array, path: str, *, out: Floats | None = 
         return _NumpyPoses(quaternions, gravity, weights)
     lead = 0 if out is None else out.ctypes.data % 64 // 4
     return _native.Poses(quaternions, gravity, weights, lead)
+
+
+def taken(packed: Packed, frames: NDArray[np.intp]) -> Packed:
+    """Some of the packed poses, in the order given; an index below 0 counts from the end."""
+    index = np.asarray(frames, dtype=np.int64)
+    index = np.ascontiguousarray(np.where(index < 0, index + packed.frames, index))
+    if isinstance(packed, _NumpyPoses):
+        return packed.taken(index)
+    assert isinstance(packed, _native.Poses)
+    return packed.taken(index)
 
 
 def fill_distances(
