@@ -1,0 +1,512 @@
+"""The paths between transitions and which may follow which: the δ of the dissertation's P = E(j)·δ ([Schultz2012] §4.4).
+
+The recordings, in every strand that may be used, are cut at the seams of their transitions (`kinesics.synthesis.transitions`).
+A *path* is what lies between two cuts. After it comes the path that the recording goes on with, at no cost, or one that a
+transition leads to. What cannot be reached again from where it leads is a dead end: only the largest strongly connected part
+is kept, and what was left out is said. If mirror images belong to it, the whole is its own mirror image.
+
+References
+----------
+- [Kovar2002] Kovar, Gleicher, Pighin: Motion graphs. SIGGRAPH 2002, §3.3: dead ends and strongly connected components.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Final, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinesics.errors import InputError
+from kinesics.grammar import notation
+from kinesics.progress import Progress, silent
+from kinesics.similarity import Weights
+from kinesics.synthesis import transitions as _transitions
+from kinesics.synthesis.repertoire import BACKWARD_STRANDS, MIRRORED_STRANDS, STRANDS, Repertoire
+from kinesics.synthesis.transitions import DENSITY, SPACING, Transitions, from_heading
+
+if TYPE_CHECKING:
+    from kinesics.analysis.facts import Phrase
+    from kinesics.grammar.graph import MotionGraph, Step
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+Mask = NDArray[np.bool_]
+
+_NAMES_AT_MOST: Final = 8
+
+
+class Pruned(NamedTuple):
+    """Frames of a recording that the network leaves out."""
+
+    recording: str
+    strand: str
+    """As in `kinesics.synthesis.repertoire.STRANDS`; several joined by "and"."""
+    seconds: float
+    why: str
+    whole: bool
+    """Whether nothing of the recording is left in this strand."""
+    everything: bool
+    """Whether nothing of the recording is left in any strand."""
+
+    def __str__(self) -> str:
+        """One line."""
+        return f"{self.recording}, {self.strand}: {self.seconds:.2f} s, {self.why}"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Network:
+    """The paths between transition points, and which may follow which. Made by `network`; arrays are read-only.
+
+    Paths are in the order of their first moments. Path p plays the moments ``repertoire.advance(first[p], k)``,
+    k < ``length[p]``. Its successors are ``indices[indptr[p] : indptr[p + 1]]``, the cheapest first; `cost` and `distance` run
+    along with them.
+    """
+
+    repertoire: Repertoire
+    first: Indices
+    """Moment at which each path begins, shape (paths,), rising."""
+    length: Indices
+    """Frames that each path plays, shape (paths,)."""
+    indptr: Indices
+    """Where the successors of each path begin, shape (paths + 1,)."""
+    indices: Indices
+    """Paths that may follow, shape (successors,)."""
+    cost: Array
+    """Of going over to each successor, in [0, 1]: 0 where the recording itself goes on. Shape (successors,)."""
+    distance: Array
+    """Mean D of going over to each successor, 0 where the recording itself goes on. Shape (successors,)."""
+    displacement: Array
+    """From the first moment of a path to that with which the recording goes on: metres to the left and ahead as seen from the
+    heading at the first moment, shape (paths, 2)."""
+    turn: Array
+    """By which the heading turns on the way, radians about +y, positive to the left, not wrapped. Shape (paths,)."""
+    duration: Array
+    """Seconds, shape (paths,)."""
+    threshold: float
+    """Largest mean D accepted at a transition."""
+    rule: str
+    """How it was found."""
+    pruned: tuple[Pruned, ...]
+    """What was left out."""
+    state_from: tuple[str, ...] = ()
+    """The grammar's words for each path; empty until `labelled`."""
+    state_to: tuple[str, ...] = ()
+    label: tuple[str, ...] = ()
+    class_: tuple[str, ...] = ()
+
+    def __len__(self) -> int:
+        """How many paths."""
+        return len(self.first)
+
+    def __repr__(self) -> str:
+        """Its size in one line."""
+        return (
+            f"Network({len(self)} paths of {self.seconds:.1f} s, {len(self.indices)} successors, "
+            f"threshold {self.threshold:.3g}, {len(self.pruned)} recordings pruned)"
+        )
+
+    def successors(self, path: int) -> Indices:
+        """The paths that may follow one, the cheapest first."""
+        return self.indices[self.indptr[path] : self.indptr[path + 1]]
+
+    @cached_property
+    def last(self) -> Indices:
+        """Last moment of each path."""
+        return self.repertoire.advance(self.first, self.length - 1)
+
+    @cached_property
+    def onward(self) -> Indices:
+        """The moment with which the recording goes on after each path: the one whose place the next path's first takes."""
+        return self.repertoire.advance(self.first, self.length)
+
+    @cached_property
+    def strand(self) -> Indices:
+        """Strand of each path."""
+        return self.repertoire.strand_of(self.first)
+
+    @cached_property
+    def recording(self) -> Indices:
+        """Number of the recording of each path."""
+        return self.repertoire.recording_of(self.repertoire.frame_of(self.first))
+
+    @cached_property
+    def mirror_of(self) -> Indices:
+        """The path that is the mirror image of each, −1 where mirror images are not part of the network."""
+        strand = self.strand
+        image = self.first + np.where(strand % 2 == 0, 1, -1) * self.repertoire.frame_count
+        return _places(self.first, image)
+
+    @property
+    def seconds(self) -> float:
+        """Of all paths together."""
+        return float(self.duration.sum())
+
+    def path_at(self, moment: int) -> int:
+        """The path that plays a moment, −1 if none does."""
+        frame, strand = int(self.repertoire.frame_of(moment)), int(self.repertoire.strand_of(moment))
+        chosen = np.flatnonzero(self.strand == strand)
+        ends = self.repertoire.frame_of(np.stack([self.first[chosen], self.last[chosen]]))
+        inside = chosen[(ends.min(axis=0) <= frame) & (frame <= ends.max(axis=0))]
+        return int(inside[0]) if len(inside) else -1
+
+
+def network(
+    repertoire: Repertoire,
+    *,
+    transitions: Transitions | None = None,
+    threshold: float | None = None,
+    density: float = DENSITY,
+    spacing: float = SPACING,
+    weights: Weights | None = None,
+    progress: Progress = silent,
+) -> Network:
+    """Cut the recordings at their transitions and keep what can be performed without end.
+
+    Parameters
+    ----------
+    transitions : as found by `kinesics.synthesis.transitions.transitions`, or some of them; found with the other parameters if
+        not given.
+    threshold, density, spacing, weights, progress : see there.
+
+    Returns
+    -------
+    Every path has a successor, and every path can be reached from every other.
+
+    Raises
+    ------
+    InputError
+        If there is no transition, or none leads back.
+
+    Warns
+    -----
+    UserWarning
+        If nothing of a recording is left; by name.
+    """
+    found = transitions
+    if found is None:
+        found = _transitions.transitions(
+            repertoire, threshold=threshold, density=density, spacing=spacing, weights=weights, progress=progress
+        )
+    elif found.repertoire is not repertoire:
+        raise InputError("The transitions were found in another repertoire than the one given.")
+    if not len(found):
+        raise InputError(_why_none(found))
+    draft = _draft(repertoire, found)
+    while True:
+        kept = _largest_part(draft)
+        if not kept.any():
+            raise InputError(
+                f"Nothing can be performed without end: {len(found)} transitions were found in "
+                f"{_names(repertoire.names)}, but none leads back to where it came from. Give longer recordings, in which "
+                "the movement recurs, "
+                + ("" if repertoire.mirrored else "`mirrored=True`, ")
+                + "or a larger `threshold` "
+                f"than {found.threshold:.3g} (mean D)."
+            )
+        # cuts of which no transition is left only divide what always follows
+        inside = kept[draft.path] & kept[draft.indices] & (draft.transition >= 0)
+        used = np.unique(draft.transition[inside])
+        if len(used) == len(found):
+            break
+        found = _some(found, used)
+        draft = _draft(repertoire, found)
+    return _finished(repertoire, found, draft, kept)
+
+
+class _Draft(NamedTuple):
+    """All paths between cuts, and all that may follow them."""
+
+    first: Indices
+    last: Indices
+    length: Indices
+    path: Indices
+    """Of each succession the path before…"""
+    indices: Indices
+    """…and the path after…"""
+    transition: Indices
+    """…and the number of the transition between them, −1 where the recording goes on."""
+
+
+def _draft(repertoire: Repertoire, found: Transitions) -> _Draft:
+    firsts: list[Indices] = []
+    lasts: list[Indices] = []
+    lengths: list[Indices] = []
+    backward_source, backward_target = repertoire.is_backward(found.source), repertoire.is_backward(found.target)
+    # the seam behind a moment from which one leaves, and the one before a moment at which one arrives
+    behind = repertoire.frame_of(found.source) + np.where(backward_source, 0, 1)
+    before = repertoire.frame_of(found.target) + np.where(backward_target, 1, 0)
+    cuts = np.unique(np.concatenate([behind, before, repertoire.starts]))
+    for strand in repertoire.strands:
+        start, end = repertoire.moments(cuts[:-1], strand), repertoire.moments(cuts[1:] - 1, strand)
+        backward = BACKWARD_STRANDS[strand]
+        firsts.append(end if backward else start)
+        lasts.append(start if backward else end)
+        lengths.append(np.diff(cuts))
+    first, last, length = (np.concatenate(parts) for parts in (firsts, lasts, lengths))
+    order = np.argsort(first)
+    first, last, length = first[order], last[order], length[order]
+    by_last = np.argsort(last)
+    leaving = by_last[np.searchsorted(last[by_last], found.source)]
+    onward = _places(first, repertoire.advance(last, 1))
+    goes_on = np.flatnonzero(onward >= 0)
+    return _Draft(
+        first,
+        last,
+        length,
+        np.concatenate([goes_on, leaving]),
+        np.concatenate([onward[goes_on], _places(first, found.target)]),
+        np.concatenate([np.full(len(goes_on), -1), np.arange(len(found))]).astype(np.intp),
+    )
+
+
+def _places(first: Indices, moments: Indices) -> Indices:
+    """Number of the path that begins at each moment, −1 where none does."""
+    at = np.minimum(np.searchsorted(first, moments), len(first) - 1)
+    return np.where(first[at] == moments, at, -1)
+
+
+def _largest_part(draft: _Draft) -> Mask:
+    """The strongly connected part that plays longest and has a way round; none if no part has one."""
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import connected_components
+
+    count = len(draft.first)
+    matrix = csr_array((np.ones(len(draft.path), dtype=np.int8), (draft.path, draft.indices)), shape=(count, count))
+    parts, part = connected_components(matrix, directed=True, connection="strong")
+    inside = part[draft.path] == part[draft.indices]
+    round_about = np.bincount(part[draft.path[inside]], minlength=parts) > 0
+    frames = np.where(round_about, np.bincount(part, weights=draft.length, minlength=parts), 0.0)
+    if not round_about.any():
+        return np.zeros(count, dtype=np.bool_)
+    # of two mirror images the one as recorded: it holds the earlier moments
+    longest = np.flatnonzero(frames >= frames.max() - 0.5)
+    return np.asarray(part == part[np.flatnonzero(np.isin(part, longest))[0]])
+
+
+def _some(found: Transitions, which: Indices) -> Transitions:
+    return dataclasses.replace(
+        found,
+        source=found.source[which],
+        target=found.target[which],
+        distance=found.distance[which],
+        cost=found.cost[which],
+    )
+
+
+def _finished(repertoire: Repertoire, found: Transitions, draft: _Draft, kept: Mask) -> Network:
+    number = np.cumsum(kept) - 1
+    inside = kept[draft.path] & kept[draft.indices]
+    before, after, transition = number[draft.path[inside]], number[draft.indices[inside]], draft.transition[inside]
+    cost = np.where(transition < 0, 0.0, np.append(found.cost, 0.0)[transition])
+    apart = np.where(transition < 0, 0.0, np.append(found.distance, 0.0)[transition])
+    order = np.lexsort((after, cost, before))
+    first, length = draft.first[kept], draft.length[kept]
+    onward = repertoire.advance(draft.last[kept], 1)
+    assert (onward >= 0).all(), "the last frames of a recording lead nowhere"
+    places = repertoire.roots_of(onward)[:, [0, 2]] - repertoire.roots_of(first)[:, [0, 2]]
+    # a heading that is followed from frame to frame within every recording; only differences are used
+    yaw = np.unwrap(repertoire.poses.yaw)
+    mirrored = np.where(repertoire.is_mirrored(first), -1.0, 1.0)
+    turn = mirrored * (yaw[repertoire.frame_of(onward)] - yaw[repertoire.frame_of(first)])
+    pruned = _pruned(repertoire, first, length)
+    gone = tuple(dict.fromkeys(p.recording for p in pruned if p.everything))
+    if gone:
+        warnings.warn(
+            f"Nothing is performed of {_names(gone)}: no transition leads there and back again. Nearer recordings, longer "
+            "ones or a larger `threshold` would join them.",
+            stacklevel=3,
+        )
+    out = Network(
+        repertoire=repertoire,
+        first=first,
+        length=length,
+        indptr=np.searchsorted(before[order], np.arange(len(first) + 1)),
+        indices=after[order],
+        cost=cost[order],
+        distance=apart[order],
+        displacement=from_heading(places, repertoire.yaw_of(first)),
+        turn=turn,
+        duration=length / repertoire.fps,
+        threshold=found.threshold,
+        rule=found.limits.rule,
+        pruned=pruned,
+    )
+    for values in (
+        out.first,
+        out.length,
+        out.indptr,
+        out.indices,
+        out.cost,
+        out.distance,
+        out.displacement,
+        out.turn,
+        out.duration,
+    ):
+        values.setflags(write=False)
+    return out
+
+
+def _pruned(repertoire: Repertoire, first: Indices, length: Indices) -> tuple[Pruned, ...]:
+    frames, fps = repertoire.frame_count, repertoire.fps
+    played = np.zeros((4, frames), dtype=np.bool_)
+    strand, frame = repertoire.strand_of(first), repertoire.frame_of(first)
+    low = np.where(np.asarray(BACKWARD_STRANDS)[strand], frame - length + 1, frame)
+    for s, start, count in zip(strand.tolist(), low.tolist(), length.tolist(), strict=True):
+        played[s, start : start + count] = True
+    out: list[Pruned] = []
+    for name, (start, end) in zip(repertoire.names, itertools.pairwise(repertoire.starts.tolist()), strict=True):
+        # strands that lose the same are told together
+        losses: dict[bytes, list[int]] = {}
+        for s in repertoire.strands:
+            losses.setdefault(played[s, start:end].tobytes(), []).append(s)
+        for strands in losses.values():
+            used = played[strands[0], start:end]
+            if used.all():
+                continue
+            how = " and ".join(STRANDS[s] for s in strands)
+            if not used.any():
+                everything = len(strands) == len(repertoire.strands)
+                why = "no transition leads there and back again"
+                out.append(Pruned(name, how, (end - start) / fps, why, True, everything))
+                continue
+            head, tail = int(np.argmax(used)), int(np.argmax(used[::-1]))
+            middle = int(np.count_nonzero(~used)) - head - tail
+            parts = [
+                f"{count / fps:.2f} s {place}"
+                for count, place in ((head, "before the first way in"), (tail, "after the last way out"))
+                if count
+            ] + ([f"{middle / fps:.2f} s between, from where no way leads back"] if middle else [])
+            out.append(Pruned(name, how, (head + middle + tail) / fps, ", ".join(parts), False, False))
+    return tuple(out)
+
+
+def _why_none(found: Transitions) -> str:
+    repertoire, nearest = found.repertoire, found.nearest
+    names = _names(repertoire.names)
+    advice = "Give longer recordings in which the movement recurs" + (
+        "" if repertoire.mirrored else ", or `mirrored=True`"
+    )
+    if not np.isfinite(nearest.distance):
+        return (
+            f"There are no transitions in {names}: {repertoire.frame_count / repertoire.fps:.2f} s are too short to leave and "
+            f"to arrive in. {advice}."
+        )
+    where = " and ".join(_where(repertoire, frame) for frame in (nearest.first, nearest.second))
+    told = (
+        f"There are no transitions in {names}. The nearest moments, {where}, have a mean D of {nearest.distance:.3g}; the "
+        f"threshold is {found.threshold:.3g} ({found.limits.rule}). "
+    )
+    if found.refused and nearest.distance <= found.threshold:
+        reasons = ", ".join(f"{what} ({count})" for what, count in found.refused.items())
+        return f"{told}Moments near in pose differ in {reasons}. {advice}."
+    return f"{told}{advice}, or a larger `threshold`."
+
+
+def _where(repertoire: Repertoire, frame: int) -> str:
+    recording = int(repertoire.recording_of(frame))
+    return f"{repertoire.names[recording]} at {(frame - int(repertoire.starts[recording])) / repertoire.fps:.2f} s"
+
+
+def _names(names: Sequence[str]) -> str:
+    more = len(names) - _NAMES_AT_MOST
+    return ", ".join(names[:_NAMES_AT_MOST]) + (f" and {more} more" if more > 0 else "")
+
+
+class _Words(NamedTuple):
+    state_from: str
+    state_to: str
+    label: str
+
+
+def labelled(network: Network, graph: MotionGraph, phrases: Sequence[Phrase] = ()) -> Network:
+    """The network with the grammar's words for every path.
+
+    A path gets the words of that path or stay of the motion graph with which it shares most time; a mirrored one those of its
+    mirror image, one played backwards those of the way back (``<ab_1``).
+
+    Parameters
+    ----------
+    graph : of the same recordings in the same order, as `kinesics.graph` reads it. Not necessarily racemic.
+    phrases : whose classes are given to the paths, as `kinesics.analyze` finds them; none leaves `Network.class_` empty.
+
+    Raises
+    ------
+    InputError
+        If the graph was read from other recordings than the network.
+    """
+    from kinesics.grammar.racemic import racemic
+
+    repertoire = network.repertoire
+    if len(graph.sources) != repertoire.recording_count:
+        raise InputError(
+            f"The motion graph was read from {len(graph.sources)} recordings, the network from "
+            f"{repertoire.recording_count}: give the graph of the same recordings, in the same order."
+        )
+    whole = racemic(graph)
+    ends = np.sort(repertoire.source_frames[repertoire.frame_of(np.stack([network.first, network.last]))], axis=0)
+    for number, source in enumerate(graph.sources):
+        own = network.recording == number
+        if own.any() and ends[1, own].max() > source.frames:
+            raise InputError(
+                f"{repertoire.names[number]} has more frames than source {number} of the motion graph, {source.name} "
+                f"({source.frames}): give the graph of the same recordings, in the same order."
+            )
+    steps = [whole.timeline(k) for k in range(repertoire.recording_count)]
+    said = [[p for p in phrases if p.source == k] for k in range(repertoire.recording_count)]
+    words: list[_Words] = []
+    classes: list[str] = []
+    for low, high, recording, strand in zip(
+        ends[0].tolist(), ends[1].tolist(), network.recording.tolist(), network.strand.tolist(), strict=True
+    ):
+        step = _most_shared(steps[recording], low, high + 1.0)
+        words.append(_Words("", "", "") if step is None else _word(whole, steps[recording][step], strand))
+        phrase = _most_shared(said[recording], low, high + 1.0)
+        classes.append("" if phrase is None else said[recording][phrase].class_ or "")
+    return dataclasses.replace(
+        network,
+        state_from=tuple(w.state_from for w in words),
+        state_to=tuple(w.state_to for w in words),
+        label=tuple(w.label for w in words),
+        class_=tuple(classes),
+    )
+
+
+class _Stretch(Protocol):
+    @property
+    def start(self) -> int: ...
+    @property
+    def end(self) -> int: ...
+
+
+def _most_shared(stretches: Sequence[_Stretch], low: float, high: float) -> int | None:
+    """Number of the stretch that shares most with [low, high), the earliest of equals; None if none shares anything."""
+    best, most = None, 0.0
+    for number, stretch in enumerate(stretches):
+        shared = min(high, stretch.end) - max(low, stretch.start)
+        if shared > most:
+            best, most = number, shared
+    return best
+
+
+def _word(graph: MotionGraph, step: Step, strand: int) -> _Words:
+    mirrored, backward = MIRRORED_STRANDS[strand], BACKWARD_STRANDS[strand]
+    if step.path is None:
+        assert step.state is not None
+        state = graph.mirror_state(step.state) if mirrored else step.state
+        assert state is not None, "a racemic graph has every mirror image"
+        label = graph.state(state).label
+        return _Words(label, label, notation.stay_label(label))
+    path, reversed_ = graph.path(step.path), step.reversed ^ backward
+    if mirrored and path.antipalindromic:
+        reversed_ = not reversed_
+    elif mirrored and path.mirror_of is not None:
+        path = graph.path(path.mirror_of)
+    enters, leaves = (path.to, path.from_) if reversed_ else (path.from_, path.to)
+    return _Words(graph.state(enters).label, graph.state(leaves).label, notation.BACKWARDS * reversed_ + path.label)
