@@ -34,15 +34,16 @@ KEYS = [
 
 
 def test_all_keys_are_there_also_where_nothing_is_known() -> None:
-    """A missing thing is null or [], never absent: one frame has no class, no phrase and no graph."""
+    """A missing thing is null or [], never absent: one frame has no class, no phrase and no path."""
     facts = kx.analyze(bodies.legs_striding(1)).to_dict()
     assert set(KEYS) <= set(facts)
     nothing = {"class", "group", "period_s", "confidence", "runner_up", "repeats", "bias_largest_degrees"}
     assert {k for k, v in facts["overall"].items() if v is None} == nothing
     assert set(facts["overall"]["residuals"].values()) == {None}
     assert [facts[k] for k in ("phrases", "motifs", "state_repetitions", "reversals", "strikes", "cycles")] == [[]] * 6
-    assert facts["graph"]["states"] == facts["graph"]["paths"] == []
-    assert facts["graph"]["notation"] == ""
+    assert facts["graph"]["paths"] == []
+    assert [s["stays"] for s in facts["graph"]["states"]] == [[{"source": 0, "start": 0, "end": 1}]]
+    assert facts["graph"]["notation"] == "aa_0"
 
 
 def test_the_class_of_a_walk() -> None:
@@ -93,28 +94,42 @@ def test_the_graph_tells_every_frame() -> None:
     assert {s.label for s in analysis.graph.states} == {"X~", "Y~"}
 
 
-def test_a_part_that_cannot_be_read_does_not_take_the_others_with_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    """It is empty, and a warning says so."""
+def test_a_defect_is_not_hidden(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A part that fails is a defect of ours, and is not told as a property of the recording."""
     from kinesics.grammar import phrases
 
     def broken(_: object) -> None:
         raise IndexError("index 3 is out of bounds")
 
     monkeypatch.setattr(phrases, "find_phrases", broken)
-    analysis = kx.analyze(kx.performer.walk(seconds=4, fps=30, seed=0).motion)
-    assert analysis.phrases == ()
-    assert analysis.overall.class_ == "cyclic-antiphase"
-    assert analysis.graph.states
-    assert "Phrases could not be read: IndexError: index 3 is out of bounds" in analysis.warnings
+    with pytest.raises(IndexError, match="out of bounds"):
+        kx.analyze(kx.performer.walk(seconds=4, fps=30, seed=0).motion)
 
 
 @pytest.mark.parametrize("frames", [1, 2, 5, 6, 7, 11, 20, 33])
-def test_short_recordings_leave_no_part_unread(frames: int) -> None:
-    """However short a recording is, every part is read or known to be empty, and all of it is JSON."""
+def test_short_recordings_are_read_or_said_to_be_too_short(frames: int) -> None:
+    """However short a recording is, its graph accounts for every frame, what is empty is said to be, and all of it is JSON."""
     for make in (bodies.arms_swinging, bodies.legs_striding):
         analysis = kx.analyze(make(frames))
-        assert not [w for w in analysis.warnings if "could not be read" in w]
+        steps = analysis.graph.timeline(0)
+        assert (steps[0].start, steps[-1].end) == (0, frames)
+        assert bool(analysis.phrases) != any("too few for a grammar" in w for w in analysis.warnings)
         json.dumps(analysis.to_dict(), allow_nan=False)
+
+
+@pytest.mark.parametrize("first", [True, False])
+def test_one_frame_beside_a_recording_leaves_its_graph(first: bool) -> None:
+    """The walk is read as it is alone, the single pose is a state without ways, and a warning says why."""
+    walk = kx.performer.walk(seconds=5, fps=60, seed=0, noise_degrees=0.3).motion
+    pose = kx.performer.jumping_jacks(seconds=3, fps=60, seed=0).motion[30:31].replace(name="a pose")
+    analysis = kx.analyze([pose, walk] if first else [walk, pose])
+    assert [w for w in analysis.warnings if w.startswith("a pose: 1 frame is too few")]
+    alone = kx.graph(walk)
+    assert len(analysis.graph.paths) == len(alone.paths) == 2
+    assert len(analysis.graph.states) == len(alone.states) + 1
+    for number, source in enumerate(analysis.sources):
+        steps = analysis.graph.timeline(number)
+        assert (steps[0].start, steps[-1].end) == (0, source.frames)
 
 
 def test_facts_survive_json() -> None:

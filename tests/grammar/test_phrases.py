@@ -12,7 +12,7 @@ import pytest
 import kinesics as kx
 from kinesics.body.pose import PoseSequence
 from kinesics.geometry import quaternion
-from kinesics.grammar import phrases
+from kinesics.grammar import phrases, whole
 from kinesics.grammar.moments import Moments, from_distances, from_poses
 from naive import phrases as naive
 
@@ -183,6 +183,21 @@ def test_recurrences_are_those_of_the_plain_rule(rng: np.random.Generator) -> No
                 assert quick[k, i] == pytest.approx(
                     naive.path_through(distance, i, i + k, 3, 0.05, backwards=backwards), rel=1e-5
                 )
+
+
+def test_exercises_are_found_and_classed_with_nothing_told(shared_data: Path) -> None:
+    """In CMU 13_30, with five exercises one after another, the three of known class are found, and are of that class."""
+    poses = kx.poses(kx.read(shared_data / "cmu/13/13_30.amc"))
+    _, judged = whole.judge(from_poses(poses))
+    with (shared_data / "cmu" / "segments.tsv").open(encoding="utf-8") as lines:
+        rows = [r for r in csv.DictReader(lines, delimiter="\t") if r["clip"] == "13_30" and r["expected_class"]]
+    assert len(rows) == 3
+    for row in rows:
+        start, end = int(row["start_frame"]), int(row["end_frame"])
+        best = max(judged, key=lambda p: min(end, p.end) - max(start, p.start))
+        assert best.verdict is not None
+        assert best.verdict.class_ == row["expected_class"]
+        assert min(end, best.end) - max(start, best.start) > 0.75 * (max(end, best.end) - min(start, best.start))
 
 
 def _labelled(shared_data: Path, clip: str) -> list[tuple[str, int, int]]:

@@ -24,7 +24,7 @@ from kinesics.grammar import many
 from kinesics.grammar import moments as _moments
 from kinesics.grammar.edits import Edits
 from kinesics.grammar.graph import MotionGraph
-from kinesics.grammar.whole import Grammar, attempted, read_grammar
+from kinesics.grammar.whole import Grammar, part, read_grammar
 from kinesics.progress import Progress, silent
 from kinesics.similarity import BETA_RULE, Weights, check_weights, default_beta, speed, symmetry_residual
 
@@ -147,7 +147,7 @@ def analyze(
                 edits=edits,
                 source=number,
                 with_graph=len(motions) == 1,
-                progress=_part(report, 0.45 + share * number, 0.45 + share * (number + 1)),
+                progress=part(report, 0.45 + share * number, 0.45 + share * (number + 1)),
             )
         )
 
@@ -165,7 +165,10 @@ def analyze(
     ]
     graph = grammars[0].graph
     if len(sources) > 1:
-        graph = _joint_graph(sequences, sources, link_weights, remarks, _part(report, 0.7, 0.95))
+        names = [s.name or f"motion {k + 1}" for k, s in enumerate(sources)]
+        graph = many.read_graph(
+            sequences, names, weights=link_weights, grammars=grammars, progress=part(report, 0.7, 0.95)
+        )
     graph = graph or MotionGraph()
     report(0.95, "β")
     contrast = float(beta) if beta is not None else default_beta(joined(sequences), link_weights)
@@ -280,26 +283,9 @@ def _source(motion: Motion, sequence: PoseSequence, doubts: quality.Quality, gra
     )
 
 
-def _joint_graph(
-    sequences: Sequence[PoseSequence], sources: Sequence[Source], weights: Array, remarks: list[str], progress: Progress
-) -> MotionGraph | None:
-    """One graph of all recordings together; None, and a remark, where it cannot be read."""
-    names = [s.name or f"motion {k + 1}" for k, s in enumerate(sources)]
-    return attempted(
-        remarks,
-        "The motion graph",
-        lambda: many.read_graph(sequences, names, weights=weights, progress=progress),
-    )
-
-
 def _said(source: Source, remark: str, sources: Sequence[Source]) -> str:
     """A remark, with the recording's name where there are several."""
     return remark if len(sources) == 1 else f"{source.name}: {remark}"
-
-
-def _part(progress: Progress, start: float, end: float) -> Progress:
-    """A part of the work, from 0 to 1, as a share of the whole."""
-    return lambda fraction, message="": progress(start + (end - start) * fraction, message)
 
 
 def _gaps(source: int, doubts: quality.Quality) -> list[Gap]:

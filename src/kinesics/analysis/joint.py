@@ -11,6 +11,7 @@ from kinesics.errors import InputError
 from kinesics.progress import Progress, silent
 
 if TYPE_CHECKING:
+    from kinesics.grammar.edits import Edits
     from kinesics.grammar.graph import MotionGraph
 
 
@@ -18,18 +19,25 @@ def graph(
     motions: Motion | Sequence[Motion],
     *,
     mapping: Mapping[str, object] | None = None,
+    edits: Edits | None = None,
     progress: Progress = silent,
 ) -> MotionGraph:
     """The motion graph of one motion, or of several read together ([Schultz2012] §3.5-3.6).
 
     What the recordings share, the same or mirrored, is one state and one path; skeletons may differ.
 
+    Parameters
+    ----------
+    mapping : joint names by the user (see `kinesics.body.anatomy.resolve`).
+    edits : names, merges and splits of states and paths (see `kinesics.grammar.edits`).
+    progress : called with a fraction now and then; may raise to stop.
+
     Raises
     ------
     SkeletonError
         If a skeleton cannot be understood as a human body.
     InputError
-        If there is no motion.
+        If there is no motion, or the edits speak of what is not in the graph.
     """
     from kinesics.grammar import many
 
@@ -37,4 +45,5 @@ def graph(
     if not given:
         raise InputError("Expected at least one motion.")
     names = [m.source.file_name or m.name or f"motion {k + 1}" for k, m in enumerate(given)]
-    return many.read_graph([poses(m, mapping) for m in given], names, progress=progress)
+    found = many.read_graph([poses(m, mapping) for m in given], names, progress=progress)
+    return found if edits is None else edits.apply(found)

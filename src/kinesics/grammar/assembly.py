@@ -122,7 +122,9 @@ def _paths(read: Reading, moments: Moments, frames: Mapping[_Number, Occurrence]
             path.symmetric if path.symmetric is not None else ends_symmetric and mirror_cost < read.nearness.path
         )
         crosses = path.from_[0] == path.to[0] and (ends_symmetric or path.from_[1] != path.to[1])
-        antipalindromic = not symmetric and crosses and mirror_reverse_cost < read.nearness.path
+        # where the class of a cyclic movement tells the symmetries of its paths, this is none of them
+        open_ = path.symmetric is None and not symmetric and crosses
+        antipalindromic = open_ and mirror_reverse_cost < read.nearness.path
         sides: dict[bool, list[Occurrence]] = {}
         for n, t in taken:
             backwards = t.reversed != (antipalindromic and t.mirrored)

@@ -14,6 +14,7 @@ from kinesics.grammar import moments as _moments
 from kinesics.grammar.assembly import Recorded
 from kinesics.grammar.cyclic import Anchor, Cyclic
 from kinesics.grammar.graph import MotionGraph, Source
+from kinesics.grammar.whole import Grammar
 from kinesics.progress import Progress, silent
 from kinesics.similarity import Weights
 
@@ -23,22 +24,33 @@ def read_graph(
     names: Sequence[str] = (),
     *,
     weights: Weights | None = None,
+    grammars: Sequence[Grammar] = (),
     progress: Progress = silent,
 ) -> MotionGraph:
     """The motion graph of one or several recordings, in the order given.
 
     All are read at the lowest of their rates (at most 30 moments a second) and under one measure of nearness.
 
+    Parameters
+    ----------
+    grammars : of the recordings, where they have been read already: their classes are not judged again.
+
     Raises
     ------
     InputError
-        If there is no recording, or names and recordings differ in number.
+        If there is no recording, or names or grammars and recordings differ in number.
     """
     if not recordings:
         raise InputError("Expected at least one recording.")
     named = list(names) or [f"recording {k + 1}" for k in range(len(recordings))]
     if len(named) != len(recordings):
         raise InputError(f"Expected as many names as recordings ({len(recordings)}), got {len(named)}.")
+    if grammars and len(grammars) != len(recordings):
+        raise InputError(f"Expected as many grammars as recordings ({len(recordings)}), got {len(grammars)}.")
+    if len(recordings) == 1:
+        alone = whole.read_grammar(recordings[0], name=named[0], weights=weights, progress=progress)
+        assert alone.graph is not None
+        return alone.graph
     rate = min(_moments.RATE, *(p.fps for p in recordings))
     own = [_moments.from_poses(p, rate, weights=weights) for p in recordings]
     taken = [m.poses for m in own if m.poses is not None]
@@ -56,14 +68,14 @@ def read_graph(
     together = dataclasses.replace(
         together, speed=np.concatenate([m.speed for m in own]), noise=max(m.noise for m in own)
     )
-    cyclic = [
-        _shifted(stretch, int(first))
-        for m, first in zip(own, starts, strict=False)
-        if m.count >= whole.LEAST_MOMENTS
-        for stretch in whole.cyclic_stretches(m)
-    ]
+    cyclic: list[Cyclic] = []
+    for number, (m, first) in enumerate(zip(own, starts, strict=False)):
+        progress(0.3 * number / len(own), f"classes of {named[number]}")
+        if m.count >= whole.LEAST_MOMENTS:
+            judged = (grammars[number].overall, grammars[number].as_read) if grammars else whole.judge(m)
+            cyclic += [_shifted(stretch, int(first)) for stretch in whole.cyclic_stretches(m, *judged)]
     breaks = [int(b) for b in starts[1:-1]]
-    read = reading.read(together, cyclic, progress, breaks=breaks)
+    read = reading.read(together, cyclic, whole.part(progress, 0.3, 1.0), breaks=breaks)
     parts = [
         Recorded(Source(name, m.source_frames, m.source_fps), int(first), m)
         for name, m, first in zip(named, own, starts, strict=False)

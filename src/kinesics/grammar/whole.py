@@ -1,19 +1,16 @@
 """All that the grammar tells of one recording, read in one go: class, phrases, motifs, graph.
 
-Each part is read by itself. One that cannot be read (a recording of one frame has no phrases) is empty and leaves the others as
-they are; why it is empty stands in `Grammar.remarks`.
+A recording of a few moments has none of them: that stands in `Grammar.remarks`.
 """
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
-from typing import Final, TypeVar
+from typing import Final
 
 from kinesics.body.pose import PoseSequence
-from kinesics.errors import Cancelled
 from kinesics.grammar import assembly, classes, cyclic, direction, moments, motifs, phrases, reading
 from kinesics.grammar.classes import Verdict
 from kinesics.grammar.cyclic import Cyclic
@@ -24,14 +21,14 @@ from kinesics.grammar.motifs import Motif, Reversal, StateRepetition, Strike
 from kinesics.progress import Progress, silent
 from kinesics.similarity import Weights
 
-T = TypeVar("T")
-
 SURE: Final = 0.6
 """Confidence from which on a cyclic class says what the states of its stretch are;"""
-CYCLES: Final = 3
-"""and so many periods: what is done twice may be any choreography, and is read like one."""
+PERIODS_OF_THE_WHOLE: Final = classes.PERIODS_OF_HALVES
+"""and so many periods where the recording is nothing else, the fewest that make a class cyclic;"""
+PERIODS_OF_A_PHRASE: Final = 3.0
+"""so many where it is one phrase among others: what is done twice there may be any choreography, and is read like one."""
 LEAST_MOMENTS: Final = 6
-"""A recording of fewer moments has no phrases, no motifs and no graph."""
+"""A recording of fewer moments has no class, no phrases and no motifs, and its graph is hardly more than a pose."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +66,9 @@ class Grammar:
     strikes: tuple[Strike, ...]
     graph: MotionGraph | None
     remarks: tuple[str, ...]
-    """Which parts could not be read, and why."""
+    """What could not be read, and why."""
+    as_read: tuple[JudgedPhrase, ...] = ()
+    """The phrases before a person's edits: what the graph is read from."""
 
 
 def read_grammar(
@@ -102,88 +101,85 @@ def read_grammar(
     report = progress or silent
     report(0.0, "moments")
     read = moments.from_poses(poses, weights=weights)
-    remarks: list[str] = []
     if read.count < LEAST_MOMENTS:
+        graph = assembly.assemble(reading.read(read), read, name) if with_graph else None
         report(1.0, "grammar read")
-        return Grammar(read, None, (), (), (), (), (), None, ())
-
-    def attempt(what: str, job: Callable[[], T]) -> T | None:
-        return attempted(remarks, what, job)
-
+        return Grammar(read, None, (), (), (), (), (), graph, (_too_short(read),))
     # as it is read, from its beginning or from its end; the motifs take both directions together
     seen = direction.reversed_moments(read) if direction.from_the_end(read) else read
-    report(0.05, "the class of the whole")
-    overall = attempt("The class of the whole", lambda: classes.classify(seen))
-    report(0.2, "phrases")
-    found = attempt("Phrases", lambda: phrases.find_phrases(seen)) or ()
-    judged: list[JudgedPhrase] = []
-    for number, phrase in enumerate(found):
-        report(0.3 + 0.15 * number / len(found), "classes of the phrases")
-        verdict = overall
-        if (phrase.start, phrase.end) != (0, read.count) or verdict is None:
-            judge = partial(classes.classify, seen, phrase.start, phrase.end)
-            verdict = attempt(f"The class of phrase {number}", judge)
-        judged.append(JudgedPhrase(seen.frame_of(phrase.start), seen.frame_of(phrase.end), phrase.kind, verdict))
-
-    def part(start: float, end: float) -> Progress:
-        return lambda fraction, message="": report(start + (end - start) * fraction, message)
-
+    report(0.05, "the class of the whole and of the phrases")
+    overall, judged = _judge(seen, part(report, 0.05, 0.45))
     report(0.45, "motifs")
-    recurring = attempt("Motifs", lambda: motifs.find_motifs(read, part(0.45, 0.7))) or ()
-    repeated = attempt("State repetitions", lambda: motifs.find_state_repetitions(read)) or ()
-    reversals = attempt("Reversals", lambda: motifs.find_reversals(read)) or ()
-    strikes = attempt("Strikes", lambda: motifs.find_strikes(read)) or ()
-    report(0.75, "the motion graph")
-
-    def read_graph() -> MotionGraph:
-        states_and_paths = reading.read(seen, _cyclic(seen, overall, judged), part(0.75, 1.0))
+    recurring = motifs.find_motifs(read, part(report, 0.45, 0.7))
+    repeated = motifs.find_state_repetitions(read)
+    reversals = motifs.find_reversals(read)
+    strikes = motifs.find_strikes(read)
+    graph = None
+    if with_graph:
+        report(0.75, "the motion graph")
+        states_and_paths = reading.read(seen, cyclic_stretches(seen, overall, judged), part(report, 0.75, 1.0))
         if seen is not read:
             states_and_paths = direction.reversed_reading(states_and_paths, read.count)
-        return assembly.assemble(states_and_paths, read, name)
-
-    graph = attempt("The motion graph", read_graph) if with_graph else None
+        graph = assembly.assemble(states_and_paths, read, name)
     if seen is not read:
-        overall = None if overall is None else direction.reversed_verdict(overall, read)
-        judged = _turned_round(judged, read)
-    if edits is not None:
-        judged = _edited_phrases(read, judged, edits, source)
+        overall, judged = direction.reversed_verdict(overall, read), _turned_round(judged, read)
+    edited = judged if edits is None else _edited_phrases(read, judged, edits, source)
     report(1.0, "grammar read")
-    return Grammar(read, overall, tuple(judged), recurring, repeated, reversals, strikes, graph, tuple(remarks))
+    return Grammar(
+        read, overall, tuple(edited), recurring, repeated, reversals, strikes, graph, (), as_read=tuple(judged)
+    )
 
 
-def attempted(remarks: list[str], what: str, job: Callable[[], T]) -> T | None:
-    """What the job gives; None, and a remark, where it fails: one part must not take the others with it, nor fail unseen."""
-    try:
-        return job()
-    except (Cancelled, MemoryError):
-        raise
-    except Exception as error:
-        remarks.append(f"{what} could not be read: {type(error).__name__}: {error}")
-        return None
+def part(progress: Progress, start: float, end: float) -> Progress:
+    """A part of the work, from 0 to 1, as a share of the whole."""
+    return lambda fraction, message="": progress(start + (end - start) * fraction, message)
 
 
-def cyclic_stretches(read: Moments) -> list[Cyclic]:
-    """Judge a recording and its phrases, and give the stretches whose states follow from their class."""
+def _too_short(read: Moments) -> str:
+    frames = f"{read.source_frames} frame{'s' * (read.source_frames != 1)}"
+    return (
+        f"{frames} are too few for a grammar: no class, phrases or motifs were read "
+        f"(from {LEAST_MOMENTS} moments on, at most {moments.RATE:.0f} a second)."
+    ).replace("1 frame are", "1 frame is")
+
+
+def judge(read: Moments) -> tuple[Verdict, list[JudgedPhrase]]:
+    """The class of a recording as one path; and its phrases, each with its class."""
+    if not direction.from_the_end(read):
+        return _judge(read)
+    overall, judged = _judge(direction.reversed_moments(read))
+    return direction.reversed_verdict(overall, read), _turned_round(judged, read)
+
+
+def _judge(read: Moments, progress: Progress = silent) -> tuple[Verdict, list[JudgedPhrase]]:
     overall = classes.classify(read)
-    judged = [
-        JudgedPhrase(read.frame_of(p.start), read.frame_of(p.end), p.kind, classes.classify(read, p.start, p.end))
-        for p in phrases.find_phrases(read)
-    ]
-    return _cyclic(read, overall, judged)
+    progress(0.4, "phrases")
+    found = phrases.find_phrases(read)
+    judged: list[JudgedPhrase] = []
+    for number, phrase in enumerate(found):
+        progress(0.6 + 0.4 * number / len(found), "classes of the phrases")
+        all_of_it = (phrase.start, phrase.end) == (0, read.count)
+        verdict = overall if all_of_it else classes.classify(read, phrase.start, phrase.end)
+        judged.append(JudgedPhrase(read.frame_of(phrase.start), read.frame_of(phrase.end), phrase.kind, verdict))
+    return overall, judged
 
 
-def _cyclic(read: Moments, overall: Verdict | None, judged: Sequence[JudgedPhrase]) -> list[Cyclic]:
+def cyclic_stretches(read: Moments, overall: Verdict | None, judged: Sequence[JudgedPhrase]) -> list[Cyclic]:
     """Stretches whose states follow from their class: the whole where it is one cyclic movement, else cyclic phrases."""
-    whole = _structures(read, [(0, read.count, overall)])
-    return whole or _structures(read, [(read.moment_of(p.start), read.moment_of(p.end), p.verdict) for p in judged])
+    whole = _structures(read, [(0, read.count, overall)], PERIODS_OF_THE_WHOLE)
+    return whole or _structures(
+        read, [(read.moment_of(p.start), read.moment_of(p.end), p.verdict) for p in judged], PERIODS_OF_A_PHRASE
+    )
 
 
-def _structures(read: Moments, candidates: Sequence[tuple[int, int, Verdict | None]]) -> list[Cyclic]:
+def _structures(
+    read: Moments, candidates: Sequence[tuple[int, int, Verdict | None]], least_periods: float
+) -> list[Cyclic]:
     out: list[Cyclic] = []
     for start, end, verdict in candidates:
         if verdict is None or verdict.class_ is None or verdict.confidence < SURE:
             continue
-        if len(verdict.cycles) < 2 or (verdict.repeats or 0.0) < CYCLES:
+        if not verdict.cycles or (verdict.repeats or 0.0) < least_periods:
             continue
         cuts = [read.moment_of(c.start) for c in verdict.cycles] + [read.moment_of(verdict.cycles[-1].end)]
         found = cyclic.structure(read, start, end, verdict.class_, cuts)
