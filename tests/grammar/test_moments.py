@@ -46,6 +46,19 @@ def test_moments_and_frames_find_each_other(fps: float):
     assert m.moment_of(m.source_frames) == m.count
 
 
+@pytest.mark.parametrize("fps", [25, 120])
+def test_a_stretch_by_itself_keeps_its_frames(fps: float):
+    """The moments of a stretch are those of the recording, and lie at the recording's frames; of a stretch of it, too."""
+    m = room.from_poses(kx.poses(kx.performer.walk(seconds=4, fps=fps, seed=1).motion))
+    part = m.cut(10, 80).cut(5, 65)
+    assert part.count == 60
+    assert [part.frame_of(k) for k in range(61)] == [m.frame_of(15 + k) for k in range(61)]
+    assert [part.moment_of(m.frame_of(15 + k)) for k in range(61)] == list(range(61))
+    assert np.array_equal(part.speed, m.speed[15:75])
+    assert np.allclose(part.block()[0], m.tile(slice(15, 75), slice(15, 75))[0], atol=1e-6)
+    assert m.cut(0, m.count) is m
+
+
 def test_tiles_and_lags_are_parts_of_the_whole(walk: room.Moments):
     """A tile is a rectangle of the block, a row by lag is one of its diagonals."""
     d, mirrored = walk.block()

@@ -192,6 +192,9 @@ def classify(moments: Moments, start: int = 0, end: int | None = None) -> Verdic
         If the stretch is empty or reaches beyond the recording.
     """
     start, end = moments.stretch(start, end)
+    # by themselves: what is turned or mirrored on the way is then the stretch, not the recording
+    moments = moments.cut(start, end)
+    start, end = 0, moments.count
     seen = measure(moments, start, end)
     if seen is None:
         return _unknown(f"{(end - start) / moments.fps:.2g} s is too short to tell")

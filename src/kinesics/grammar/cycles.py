@@ -142,8 +142,8 @@ def find(
         share = max(residual - moments.noise, 0.0) / max(range_, 1e-12)
         found.append(
             Cycle(
-                int(min(round((start + a) * ratio), moments.source_frames - 1)),
-                int(min(round((start + b) * ratio), moments.source_frames)),
+                int(min(round((moments.first + start + a) * ratio), moments.source_frames - 1)),
+                int(min(round((moments.first + start + b) * ratio), moments.source_frames)),
                 float(b - a) / moments.fps,
                 phase if share < _ALIKE else None,
                 share,

@@ -55,7 +55,7 @@ class Moments:
     """Moments a second, at most `RATE`."""
     source_fps: float
     source_frames: int
-    """Frames of the recording."""
+    """Frames of the recording, up to the end of these moments."""
     speed: Array
     """√(2D)/Δt, 1/s, shape (count,): entry i is the step from moment i − 1 to i, entry 0 repeats entry 1."""
     symmetry: Array
@@ -68,6 +68,8 @@ class Moments:
     """Of the links."""
     dense: tuple[Floats, Floats] | None = dataclasses.field(default=None, repr=False)
     """D and D* of all moments, where they were given."""
+    first: int = 0
+    """Moments of the recording before these (`cut`)."""
 
     @property
     def count(self) -> int:
@@ -87,13 +89,28 @@ class Moments:
         """The source frame nearest to a moment; ``count`` (an exclusive end) gives the number of source frames."""
         if moment >= self.count:
             return self.source_frames
-        return int(min(max(round(moment * self.source_fps / self.fps), 0), self.source_frames - 1))
+        return int(min(max(round((self.first + moment) * self.source_fps / self.fps), 0), self.source_frames - 1))
 
     def moment_of(self, frame: float) -> int:
         """The moment nearest to a source frame; the number of source frames gives ``count``."""
         if frame >= self.source_frames:
             return self.count
-        return int(min(max(round(frame * self.fps / self.source_fps), 0), self.count - 1))
+        return int(min(max(round(frame * self.fps / self.source_fps) - self.first, 0), self.count - 1))
+
+    def cut(self, start: int, end: int) -> Moments:
+        """The moments [start, end) by themselves, counted from 0; frames stay those of the recording."""
+        if (start, end) == (0, self.count):
+            return self
+        dense = self.dense
+        return dataclasses.replace(
+            self,
+            source_frames=self.frame_of(end),
+            speed=self.speed[start:end],
+            symmetry=self.symmetry[start:end],
+            poses=None if self.poses is None else self.poses[start:end],
+            dense=None if dense is None else (dense[0][start:end, start:end], dense[1][start:end, start:end]),
+            first=self.first + start,
+        )
 
     def tile(self, rows: slice, cols: slice) -> tuple[Floats, Floats]:
         """D and D* between two ranges of moments: ``d[i, j]`` is of moment ``rows.start + i`` and ``cols.start + j``."""
