@@ -216,3 +216,24 @@ def test_real_recordings_under_what_must_not_change_them(
         if v.period_s is not None:
             assert w.period_s == pytest.approx(v.period_s, rel=0.01)
     assert np.isfinite(v.confidence)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_choreography_is_no_cycle(seed: int) -> None:
+    """The long phrases of a kata, in which guards and techniques return in parts, are neither cyclic nor palindromes."""
+    seen = kx.performer.kata(fps=30, seed=seed, noise_degrees=0.2, noise_kind="smooth")
+    m = moments.from_poses(kx.poses(seen.motion))
+    for start, end in ((4.7, 24.8), (28.2, 48.0), (5.0, 24.0)):
+        verdict = classes.classify(m, m.moment_of(start * 30.0), m.moment_of(end * 30.0))
+        assert verdict.class_ is C.ASYMMETRIC
+
+
+def test_a_reversal_takes_the_same_way_at_any_speed() -> None:
+    """Who bows slowly and rises four times as fast makes a palindrome; bowing alone is none."""
+    seen = kx.performer.bow(fps=120, seed=0)
+    poses = kx.poses(seen.motion)
+    half = len(poses) // 2
+    uneven = np.concatenate([np.arange(half), np.arange(half, len(poses), 4)])
+    bent = kx.PoseSequence(poses.quaternions[uneven], poses.yaw[uneven], poses.ground[uneven], 120.0)
+    assert classes.classify(moments.from_poses(bent)).class_ is C.SYMMETRIC_PALINDROMIC
+    assert classes.classify(moments.from_poses(poses[:half])).class_ is C.SYMMETRIC

@@ -71,6 +71,10 @@ _COVERAGE_OF_HALVES: Final = 0.75
 """so many where fewer than two periods are seen,"""
 _RESIDUAL_OF_HALVES: Final = 0.3
 """and what the period leaves over must be no more than this."""
+SLOW_S: Final = 2.5
+"""In a longer cycle there is time for a choreography, of which parts return by themselves: of its moments,"""
+_UNBROKEN: Final = 0.92
+"""between the first and the last that returns, so many must."""
 _UNITY: Final = 0.6
 """Cycles anywhere in the stretch must be alike to this residual: else it is several cyclic movements, and as a whole none."""
 STILL: Final = float(2.0 * np.sin(np.deg2rad(5.0) / 4.0))
@@ -257,6 +261,8 @@ def cyclic_chance(seen: Evidence) -> float:
     """How sure it is that the movement repeats itself: ½ at the number of periods that the rule asks for."""
     found = seen.cyclic
     if found is None or found.residuals.period is None or found.coverage < _COVERAGE or found.unity > _UNITY:
+        return 0.0
+    if found.period_s > SLOW_S and found.unbroken < _UNBROKEN:
         return 0.0
     needed = PERIODS
     if found.coverage >= _COVERAGE_OF_HALVES and found.residuals.period <= _RESIDUAL_OF_HALVES:

@@ -21,14 +21,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from kinesics.grammar.classes import SLOW_S
 from kinesics.grammar.moments import Moments
 from kinesics.vocabulary import MovementClass
 
 Array = NDArray[np.float64]
 C = MovementClass
 
-_LONGEST_S: Final = 2.5
-"""Seconds: in a longer cycle there is time for states of its own, and they are read like those of any movement."""
 _SLOW: Final = 0.15
 """Of the quickest tenth of a way: slower is standing."""
 _STOPS: Final = 0.1
@@ -82,7 +81,7 @@ def structure(moments: Moments, start: int, end: int, class_: MovementClass, cut
     cuts : moments at which cycles begin, in order, the end of the last one included.
     """
     cuts = [c for c in cuts if start <= c < end]
-    if len(cuts) < 2 or float(np.mean(np.diff(cuts))) > _LONGEST_S * moments.fps:
+    if len(cuts) < 2 or float(np.mean(np.diff(cuts))) > SLOW_S * moments.fps:
         return None
     anchors: list[Anchor] = []
     legs: list[Leg] = []

@@ -41,6 +41,12 @@ _CYCLES_COMPARED: Final = 12
 _PHASES_COMPARED: Final = 12
 _ONCE_MOMENTS: Final = 600
 """Moments of a movement made once that are compared all with all; of a longer one every other, third, … is taken."""
+_FOLDED_POINTS: Final = 128
+"""Points, the same way apart, at which a movement made once is compared with its own reverse;"""
+_UNEVEN: Final = 0.1
+"""and so much of the way may the two sides be apart: who comes back as he went travels the same way, at whatever speed."""
+_FAR: Final = 4.0
+"""No D is so large."""
 _SPANS: Final = (1, 2, 3, 4, 6, 8)
 _STANDS_OUT: Final = 6.0
 _MARGIN: Final = 1.5
@@ -78,6 +84,9 @@ class CyclicEvidence:
     """How many periods long the moving part is."""
     coverage: float
     """Share of the moving moments that return a period later."""
+    unbroken: float
+    """The same, between the first and the last moment that returns: what leads in and out is left aside."""
+    period_s: float
     unity: float
     """Residual between cycles anywhere in the stretch: large where one cyclic movement follows another."""
     turn_speed: float | None
@@ -159,15 +168,20 @@ def cyclic(
     inside = np.zeros(len(path.costs), dtype=np.bool_)
     inside[moving[0] : moving[1]] = True
     moving_there = float((inside & (local > still)).sum())
-    coverage = float((returned & inside).sum()) / moving_there if moving_there else 0.0
+    returned &= inside
+    coverage = float(returned.sum()) / moving_there if moving_there else 0.0
+    span = np.flatnonzero(returned)
+    unbroken = float(returned[span[0] : span[-1] + 1].mean()) if len(span) else 0.0
     return CyclicEvidence(
         Residuals(medians["period"], medians["mirror"], medians["glide"], medians["reverse"], medians["both"]),
         path,
         glide,
         tau,
-        returned & inside,
+        returned,
         (moving[1] - moving[0]) / tau,
         coverage,
+        unbroken,
+        tau / moments.fps,
         _unity(moments, start, path, moving, float(np.median(ranges[cycling]))),
         medians["turn"],
         float(np.median(ranges[cycling])),
@@ -208,7 +222,7 @@ def single(moments: Moments, start: int, end: int) -> SingleEvidence | None:
     """Residuals of the symmetries of a movement made once; None where nothing moves.
 
     Stillness before and after is left out, moments are weighted by the way travelled, and the whole is compared with its own
-    reverse by dynamic time warping from both ends inwards.
+    reverse, by the way travelled and not by the clock, by dynamic time warping from both ends inwards.
     """
     n = end - start
     if n < 5:
@@ -236,10 +250,9 @@ def single(moments: Moments, start: int, end: int) -> SingleEvidence | None:
     def residual(cost: float) -> float:
         return max(cost - moments.noise, 0.0) / full
 
-    reverse, centre = folded(d, weight)
-    both, _ = folded(mirrored, weight)
-    speed = _without_noise(moments, start, end)[index]
-    mean_speed = float((speed * weight).sum())
+    speed = _without_noise(moments, start, end)
+    mean_speed = float((speed[index] * weight).sum())
+    at_turn, (reverse, both) = _reversals(moments, start, way)
     return SingleEvidence(
         Residuals(
             mirror=residual(float((np.diagonal(mirrored) * weight).sum())),
@@ -248,9 +261,26 @@ def single(moments: Moments, start: int, end: int) -> SingleEvidence | None:
         ),
         start=int(a),
         end=int(b),
-        turn_speed=_slowest(speed, centre) / mean_speed if mean_speed > 0.0 else None,
+        turn_speed=_slowest(speed, at_turn) / mean_speed if mean_speed > 0.0 else None,
         range=full,
     )
+
+
+def _reversals(moments: Moments, start: int, way: Array) -> tuple[int, tuple[float, float]]:
+    """Mean D of a stretch from its reverse, and D* from its mirrored reverse; and at which moment of it the former turns."""
+    share = np.cumsum(way) / way.sum()
+    points = np.linspace(_EDGE, 1.0 - _EDGE, _FOLDED_POINTS)
+    index = np.minimum(np.searchsorted(share, points), len(way) - 1)
+    there = np.arange(_FOLDED_POINTS)
+    uneven = np.abs(there[:, None] + there[None, :] - (_FOLDED_POINTS - 1)) > _UNEVEN * _FOLDED_POINTS
+    even = np.full(_FOLDED_POINTS, 1.0 / _FOLDED_POINTS)
+    costs, centres = [], []
+    for distances in moments.thinned(start + index):
+        # not infinite: the compiled kernel adds these up, too
+        cost, centre = folded(np.where(uneven, np.float32(_FAR), distances), even)
+        costs.append(cost)
+        centres.append(int(index[centre]))
+    return centres[0], (costs[0], costs[1])
 
 
 def _without_noise(moments: Moments, start: int, end: int) -> Array:
