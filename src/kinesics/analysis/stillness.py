@@ -66,7 +66,7 @@ def stillness_rule(poses: PoseSequence, weights: Weights | None = None) -> Still
         If the weights cannot be used.
     """
     share = check_weights(weights)
-    jitter = _jitter(poses.quaternions, share)
+    jitter = sensor_jitter(poses.quaternions, share)
     epsilon = max(EPSILON, JITTERS * jitter)
     pace = _pace(poses, epsilon, share)
     reach = _reach(poses.quaternions, share)
@@ -105,6 +105,24 @@ def find_stillness(
     for first, last in _runs(near):
         found.extend(_stretches(q, first, last + span, span, rule.epsilon, share))
     return _without_overlap(found)
+
+
+def sensor_jitter(q: Array, weights: Array) -> float:
+    """The sensor's noise in √(2D): how far a pose lies from the middle of its neighbours, in the calmest tenth of a recording.
+
+    Movement bends little within two frames where the body is calm; what is left there is noise, √1.5 times one frame's.
+
+    Parameters
+    ----------
+    q : poses, shape (frames, 15, 4).
+    weights : of the 15 links, as `kinesics.similarity.check_weights` returns them.
+    """
+    if len(q) < 3:
+        return 0.0
+    before, after = q[:-2], q[2:]
+    sign = np.where(np.sum(before * after, axis=-1, keepdims=True) < 0.0, -1.0, 1.0)
+    middle = quaternion.normalize(before + sign * after)
+    return float(np.quantile(_apart(q[1:-1], middle, weights), 0.1) / np.sqrt(1.5))
 
 
 def _stretches(q: Array, start: int, end: int, span: int, epsilon: float, weights: Array) -> list[tuple[int, int]]:
@@ -147,19 +165,6 @@ def _reach(q: Array, weights: Array) -> float:
     moments = ((np.arange(count) + 0.5) * len(q) / count).astype(np.intp)
     pairs = chord(distance(q[moments], q[moments], weights))[np.triu_indices(count, 1)]
     return 0.5 * float(np.quantile(pairs, REACH_QUANTILE)) if len(pairs) else 0.0
-
-
-def _jitter(q: Array, weights: Array) -> float:
-    """The sensor's noise: how far a pose lies from the middle of its neighbours, in the calmest tenth of the recording.
-
-    Movement bends little within two frames where the body is calm; what is left there is noise, √1.5 times one frame's.
-    """
-    if len(q) < 3:
-        return 0.0
-    before, after = q[:-2], q[2:]
-    sign = np.where(np.sum(before * after, axis=-1, keepdims=True) < 0.0, -1.0, 1.0)
-    middle = quaternion.normalize(before + sign * after)
-    return float(np.quantile(_apart(q[1:-1], middle, weights), 0.1) / np.sqrt(1.5))
 
 
 def _pace(poses: PoseSequence, epsilon: float, weights: Array) -> float | None:

@@ -40,7 +40,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kinesics.analysis.stillness import EPSILON, JITTERS, stillness_rule
+from kinesics.analysis.stillness import EPSILON, JITTERS, sensor_jitter
 from kinesics.body import pose
 from kinesics.errors import InputError
 from kinesics.geometry import quaternion
@@ -353,12 +353,8 @@ def _limits(repertoire: Repertoire, threshold: float | None, weights: Array) -> 
 
 def _still(repertoire: Repertoire, weights: Array) -> float:
     """√(2D) within which a body that stands still sways, or the sensor's noise."""
-    starts = repertoire.starts
-    noise = [
-        stillness_rule(repertoire.poses[int(s) : min(int(e), int(s) + _SAMPLES)], weights).jitter
-        for s, e in itertools.pairwise(starts)
-    ]
-    return max(EPSILON, JITTERS * max(noise))
+    q = repertoire.poses.quaternions
+    return max(EPSILON, JITTERS * max(sensor_jitter(q[s:e], weights) for s, e in itertools.pairwise(repertoire.starts)))
 
 
 def _listed(names: tuple[str, ...], most: int = 6) -> str:
@@ -367,24 +363,25 @@ def _listed(names: tuple[str, ...], most: int = 6) -> str:
 
 def _steps(repertoire: Repertoire, far: float, weights: Array, spacing: float) -> Indices:
     """Number of the step that each frame lies in."""
-    q, fps = repertoire.poses.quaternions, repertoire.fps
+    q, fps, starts = repertoire.poses.quaternions, repertoire.fps, repertoire.starts
     shortest, longest = max(1, round(spacing * fps)), max(1, round(STEP * fps))
-    out = np.zeros(repertoire.frame_count, dtype=np.intp)
-    count = 0
-    for start, end in itertools.pairwise(repertoire.starts.tolist()):
-        here = start
-        while here < end:
-            last = min(here + longest, end)
-            onward = q[here + shortest : last]
-            if len(onward):
-                d = paired_distance(onward, np.broadcast_to(q[here], onward.shape), weights)
-                beyond = d > 0.5 * far * far
-                if beyond.any():
-                    last = here + shortest + int(np.argmax(beyond))
-            out[here:last] = count
-            count += 1
-            here = last
-    return out
+    index = np.arange(repertoire.frame_count)
+    ends = starts[repertoire.recording_of(index) + 1]
+    # where the step would end that began at each frame
+    until = np.minimum(index + longest, ends)
+    near = index
+    for lag in range(shortest, longest, max(1, round(fps / SEARCH_RATE))):
+        near = near[near + lag < ends[near]]
+        gone = paired_distance(q[near], q[near + lag], weights) > 0.5 * far * far if len(near) else near > 0
+        until[near[gone]] = near[gone] + lag
+        near = near[~gone]
+    onward: list[int] = until.tolist()
+    begins = np.zeros(repertoire.frame_count, dtype=np.intp)
+    here = 0
+    while here < repertoire.frame_count:
+        begins[here] = 1
+        here = onward[here]
+    return np.cumsum(begins) - 1
 
 
 def _search(seams: _Seams, progress: Progress) -> tuple[_Pairs, Nearest]:
@@ -456,14 +453,16 @@ def _joined(parts: list[_Pairs]) -> _Pairs:
 def _minima(d: Floats, most: float) -> tuple[Indices, Indices]:
     """Entries of at most ``most`` that none of their eight neighbours undercuts."""
     rows, columns = d.shape
-    at = np.flatnonzero(d.ravel() <= most)
-    flat = d.ravel()
-    r, c = np.divmod(at, columns)
-    for dr, dc in ((0, 1), (0, -1), (1, 0), (-1, 0), (1, 1), (-1, -1), (1, -1), (-1, 1)):
-        inside = (r + dr >= 0) & (r + dr < rows) & (c + dc >= 0) & (c + dc < columns)
-        other = flat[np.where(inside, at + dr * columns + dc, at)]
-        keep = flat[at] <= other
-        at, r, c = at[keep], r[keep], c[keep]
+    wide = np.full((rows + 2, columns + 2), np.inf, dtype=np.float32)
+    wide[1:-1, 1:-1] = d
+    inner = wide[1:-1, 1:-1]
+    found = inner <= np.float32(most)
+    for beside in (wide[1:-1, 2:], wide[1:-1, :-2], wide[2:, 1:-1], wide[:-2, 1:-1]):
+        found &= inner <= beside
+    r, c = np.nonzero(found)
+    for dr, dc in ((2, 2), (0, 0), (2, 0), (0, 2)):
+        keep = d[r, c] <= wide[r + dr, c + dc]
+        r, c = r[keep], c[keep]
     return r, c
 
 
