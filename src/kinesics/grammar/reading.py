@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
+from itertools import groupby, pairwise
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -121,8 +121,12 @@ def _state_of(moments: Moments, group: Sequence[Mark], near: Nearness) -> ReadSt
     traced = [m for m in group if m.traced]
     middle = np.array([m.moment for m in (traced or group)])
     every = np.array([m.moment for m in group])
-    d, s = moments.between(middle, every)
-    moment = int(middle[np.minimum(d, s).mean(axis=1).argmin()])
+    step = max(1, _CELLS // len(every))
+    means = [
+        np.minimum(*moments.between(middle[first : first + step], every)).mean(axis=1)
+        for first in range(0, len(middle), step)
+    ]
+    moment = int(middle[np.concatenate(means).argmin()])
     symmetric = float(np.median(moments.symmetry[middle])) < max(4 * near.same, 0.04 * near.spread)
     return ReadState(moment, symmetric, bool(traced))
 
@@ -183,23 +187,75 @@ def _below(row: Floats, limit: float) -> list[tuple[int, int]]:
     return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
 
 
-def _visits(moments: Moments, states: Sequence[ReadState], radius: float, breaks: Sequence[int]) -> list[Visit]:
+class _Seen:
+    """What a recording was already asked for while states come and go: when it passes a pose, how far apart stretches are."""
+
+    def __init__(self, moments: Moments, radius: float, breaks: Sequence[int]) -> None:
+        self.moments, self.radius, self.breaks = moments, radius, breaks
+        self._passages: dict[int, tuple[list[_Passage], list[_Passage]]] = {}
+        self._warped: dict[tuple[int, int, int, int], dict[tuple[bool, bool], float]] = {}
+
+    def passages(self, poses: Sequence[int]) -> list[tuple[list[_Passage], list[_Passage]]]:
+        """When the movement passes the poses of some moments, and when their mirror images."""
+        new = [m for m in dict.fromkeys(poses) if m not in self._passages]
+        everything = np.arange(self.moments.count)
+        step = max(1, _CELLS // self.moments.count)
+        for first in range(0, len(new), step):
+            part = new[first : first + step]
+            for moment, *rows in zip(part, *self.moments.between(np.array(part), everything), strict=True):
+                of_pose, of_image = ([*self._passed(row)] for row in rows)
+                self._passages[moment] = of_pose, of_image
+        return [self._passages[m] for m in poses]
+
+    def _passed(self, row: Floats) -> Iterator[_Passage]:
+        # in at the radius, out at three times it: noise must not make two visits of one
+        for start, end in _split(_below(row, 3 * self.radius), self.breaks):
+            at = start + int(row[start:end].argmin())
+            if row[at] < self.radius:
+                near = np.flatnonzero(row[start:end] < self.radius)
+                yield _Passage(start + int(near[0]), start + int(near[-1]) + 1, at, float(row[at]))
+
+    def distances(
+        self, stretch: tuple[int, int], others: Sequence[tuple[tuple[int, int], Sequence[tuple[bool, bool]]]]
+    ) -> list[float]:
+        """Mean distance, warped, of a stretch from others, each under the relations (reversed, mirrored) named, in order."""
+        known = [self._warped.setdefault((*stretch, *other), {}) for other, _ in others]
+        missing = [
+            (k, [r for r in relations if r not in known[k]])
+            for k, (_, relations) in enumerate(others)
+            if any(r not in known[k] for r in relations)
+        ]
+        if missing:
+            points = [_points(*others[k][0]) for k, _ in missing]
+            d, s = self.moments.between(_points(*stretch), np.concatenate(points))
+            asked = [(k, place, r) for place, (k, relations) in enumerate(missing) for r in relations]
+            blocks = []
+            for _, place, (backwards, mirrored) in asked:
+                block = (s if mirrored else d)[:, place * _POINTS : (place + 1) * _POINTS]
+                blocks.append(block[:, ::-1] if backwards else block)
+            for (k, _, relation), cost in zip(asked, warped(np.stack(blocks)).tolist(), strict=True):
+                known[k][relation] = cost
+        return [costs[r] for costs, (_, relations) in zip(known, others, strict=True) for r in relations]
+
+
+class _Passage(NamedTuple):
+    """The movement is near a pose."""
+
+    start: int
+    end: int
+    at: int
+    depth: float
+    """Least distance."""
+
+
+def _visits(seen: _Seen, states: Sequence[ReadState]) -> list[Visit]:
     """All times at which the movement is in a state; where two claim it, the nearer one's."""
-    index = np.array([s.moment for s in states], dtype=np.intp)
-    d, s = moments.between(np.arange(moments.count), index)
     found: list[tuple[Visit, float]] = []
-    for k, state in enumerate(states):
-        for is_mirrored, row in ((False, d[:, k]), (True, s[:, k])):
+    for k, (state, passages) in enumerate(zip(states, seen.passages([s.moment for s in states]), strict=True)):
+        for is_mirrored, passed in ((False, passages[0]), (True, passages[1])):
             if is_mirrored and state.symmetric:
                 continue
-            # in at the radius, out at three times it: noise must not make two visits of one
-            for start, end in _split(_below(row, 3 * radius), breaks):
-                at = start + int(row[start:end].argmin())
-                if row[at] < radius:
-                    near = np.flatnonzero(row[start:end] < radius)
-                    found.append(
-                        (Visit(start + int(near[0]), start + int(near[-1]) + 1, at, k, is_mirrored), float(row[at]))
-                    )
+            found += [(Visit(p.start, p.end, p.at, k, is_mirrored), p.depth) for p in passed]
     found.sort(key=lambda v: (v[0].at, v[1]))
     out: list[tuple[Visit, float]] = []
     for visit, depth in found:
@@ -220,6 +276,13 @@ def _visits(moments: Moments, states: Sequence[ReadState], radius: float, breaks
 
 
 _POINTS: Final = 24
+_CELLS: Final = 4_000_000
+"""Distances that are asked for at once."""
+
+
+def _points(start: int, end: int) -> NDArray[np.intp]:
+    """Moments evenly spaced over a stretch, its ends included."""
+    return np.linspace(start, end, _POINTS).round().astype(np.intp)
 
 
 def warped(blocks: Floats) -> Array:
@@ -241,7 +304,7 @@ def warped(blocks: Floats) -> Array:
 
 
 def _traverse(
-    moments: Moments,
+    seen: _Seen,
     states: Sequence[ReadState],
     visits: Sequence[Visit],
     near: Nearness,
@@ -255,7 +318,8 @@ def _traverse(
     """
     known: dict[tuple[int, int, int], Traversal] = {}
     paths: list[ReadPath] = []
-    shapes: list[NDArray[np.intp]] = []
+    shapes: list[tuple[int, int]] = []
+    by_ends: dict[tuple[tuple[int, bool], tuple[int, bool]], list[tuple[int, bool, bool]]] = {}
     out: list[Traversal] = []
 
     def image(end: tuple[int, bool]) -> tuple[int, bool]:
@@ -279,36 +343,27 @@ def _traverse(
             out.append(note(number, model.path, model.reversed != way_back, model.mirrored != way_mirrored))
             continue
         here, there = (a.state, a.mirrored), (b.state, b.mirrored)
-        points = np.linspace(a.at, b.at, _POINTS).round().astype(np.intp)
-        trials: list[tuple[int, bool, bool]] = []
-        blocks: list[Floats] = []
-        for k, path in enumerate(paths):
-            relations = [
-                (reverse, mirror)
-                for reverse, mirror, ends in (
-                    (False, False, (path.from_, path.to)),
-                    (True, False, (path.to, path.from_)),
-                    (False, True, (image(path.from_), image(path.to))),
-                    (True, True, (image(path.to), image(path.from_))),
-                )
-                if ends == (here, there)
+        trials = by_ends.get((here, there), [])
+        if trials:
+            others = [
+                (shapes[k], [(reverse, mirror) for _, reverse, mirror in group])
+                for k, group in groupby(trials, key=lambda trial: trial[0])
             ]
-            if relations:
-                d, s = moments.between(points, shapes[k])
-                for reverse, mirror in relations:
-                    block = s if mirror else d
-                    trials.append((k, reverse, mirror))
-                    blocks.append(block[:, ::-1] if reverse else block)
-        if blocks:
-            costs = warped(np.stack(blocks))
-            best = int(costs.argmin())
+            costs = seen.distances((a.at, b.at), others)
+            best = int(np.argmin(costs))
             if costs[best] < near.path:
-                k, reverse, mirror = trials[best]
-                out.append(note(number, k, reverse, mirror))
+                out.append(note(number, *trials[best]))
                 continue
         told = symmetric.get(keys[number][0][0]) if number in keys else None
+        for reverse, mirror, ends in (
+            (False, False, (here, there)),
+            (True, False, (there, here)),
+            (False, True, (image(here), image(there))),
+            (True, True, (image(there), image(here))),
+        ):
+            by_ends.setdefault(ends, []).append((len(paths), reverse, mirror))
         paths.append(ReadPath(here, there, told))
-        shapes.append(points)
+        shapes.append((a.at, b.at))
         out.append(note(number, len(paths) - 1, False, False))
     return paths, out
 
@@ -355,7 +410,7 @@ def self_symmetry(moments: Moments, stretches: Sequence[tuple[int, int]]) -> tup
     """Mean distance of stretches from their mirror images, and from their mirror images played backwards (warped)."""
     blocks = []
     for start, end in stretches:
-        points = np.linspace(start, end, _POINTS).round().astype(np.intp)
+        points = _points(start, end)
         blocks.append(moments.between(points, points)[1])
     s = np.stack(blocks)
     return float(np.diagonal(s, axis1=1, axis2=2).mean()), float(warped(s[:, :, ::-1]).mean())
@@ -368,10 +423,13 @@ def _shadows(moments: Moments, states: Sequence[ReadState], visits: Sequence[Vis
     apart = np.minimum(d, s)
     reach = 2 * ground.PARTING_S * moments.fps
     out: set[int] = set()
+    visited: list[list[int]] = [[] for _ in states]
+    for i, visit in enumerate(visits):
+        visited[visit.state].append(i)
     for k, state in enumerate(states):
         if state.traced:
             continue
-        places = [i for i, v in enumerate(visits) if v.state == k]
+        places = visited[k]
         beside: dict[int, int] = {}
         for i in places:
             for o in {
@@ -496,19 +554,20 @@ def read(
     states, roles = _with_cyclic(moments, states, cyclic, near)
     fixed = set(roles.values())
     symmetric = {number: stretch.symmetric for number, stretch in enumerate(cyclic)}
+    seen = _Seen(moments, near.visit, breaks)
     while True:
         if not states:
             # a cycle without stop, turning back or parting of ways has its state at its slowest moment
             slowest = int(moments.speed.argmin())
             states = [_state_of(moments, [Mark(slowest, True)], near)]
-        visits = [v for v in _visits(moments, states, near.visit, breaks) if not inside[v.at]]
+        visits = [v for v in _visits(seen, states) if not inside[v.at]]
         visits, keys = _cyclic_visits(visits, cyclic, roles)
         shadows = _shadows(moments, states, visits, near) - fixed
         if shadows:
             states, roles = _without(states, roles, shadows)
             fixed = set(roles.values())
             continue
-        paths, traversals = _traverse(moments, states, visits, near, keys, symmetric, breaks)
+        paths, traversals = _traverse(seen, states, visits, near, keys, symmetric, breaks)
         visited = {v.state for v in visits}
         drop = (_traceless(states, visits, traversals) | (set(range(len(states))) - visited)) - fixed
         if not drop:
