@@ -18,9 +18,10 @@ def wheel_is_clean(wheel: Path, project: Path) -> None:
         sums = {hashlib.sha256(archive.read(name)).hexdigest() for name in names if not name.endswith("/")}
     strangers = [n for n in names if not n.startswith(("kinesics/", "kinesics-"))]
     assert not strangers, f"the wheel holds more than the package: {strangers}"
-    recordings = [
-        n for n in names if n.lower().endswith((".bvh", ".amc", ".asf", ".c3d", ".fbx", ".avi", ".npz", ".zip"))
-    ]
+    figure = "kinesics/body/figure.npz"
+    assert figure in names, "the wheel lacks the human figure that glTF files wear"
+    kinds = (".bvh", ".amc", ".asf", ".c3d", ".fbx", ".avi", ".npz", ".glb", ".zip")
+    recordings = [n for n in names if n.lower().endswith(kinds) and n != figure]
     assert not recordings, f"the wheel holds recordings: {recordings}"
     assert not [n for n in names if "test" in Path(n).name], "the wheel holds tests"
     assert any("_native" in n and n.endswith((".so", ".pyd")) for n in names), "the wheel lacks the compiled module"
