@@ -11,8 +11,8 @@ mirrored transitions, and those of reversed ones the reversed.
 
 **Which pairs.** Local minima of that distance in the (a, b) plane that are near enough, and of which neither differs too much in
 
-- the velocity of the pose: by no more than three quarters of the faster one (two of equal speed: 44 degrees apart), or by a
-  quarter of the pace where both are slow;
+- the velocity of the pose: by no more than .85 of the faster one (two of equal speed: 50 degrees apart), or by a quarter of
+  the pace where both are slow;
 - the velocity of the root over the ground and its turning, seen from the heading, and its height: by no more than nine tenths
   of all moving moments change within the time of a blend, see `Limits`;
 - the feet: none that stands where the other swings, unless it changes at the seam.
@@ -75,7 +75,7 @@ BAND: Final = 0.3
 """Seconds: nearer moments of one recording are near because they are nearly one."""
 SEARCH_RATE: Final = 30.0
 """Moments a second that are compared all with all; the pairs found are refined at full rate."""
-DIRECTION: Final = 0.75
+DIRECTION: Final = 0.85
 """Difference of pose velocities that is accepted, as a share of the faster one."""
 SLOW: Final = 0.25
 """The same where both are slow, as a share of the pace."""
@@ -90,6 +90,8 @@ _TILE: Final = 1024
 _SAMPLES: Final = 1024
 _CHUNK: Final = 4096
 _GRID_SLACK: Final = 1.2
+_FORESTS: Final = 4
+_BRIDGES: Final = 4
 
 
 @dataclass(frozen=True)
@@ -459,7 +461,7 @@ def _minima(d: Floats, most: float) -> tuple[Indices, Indices]:
     found = inner <= np.float32(most)
     for beside in (wide[1:-1, 2:], wide[1:-1, :-2], wide[2:, 1:-1], wide[:-2, 1:-1]):
         found &= inner <= beside
-    r, c = np.nonzero(found)
+    r, c = np.divmod(np.flatnonzero(found), columns)
     for dr, dc in ((2, 2), (0, 0), (2, 0), (0, 2)):
         keep = d[r, c] <= wide[r + dr, c + dc]
         r, c = r[keep], c[keep]
@@ -498,17 +500,50 @@ def _costs(seams: _Seams, pairs: _Pairs) -> Array:
 
 
 def _choose(seams: _Seams, pairs: _Pairs, density: float) -> _Pairs:
-    """The best of every second, in turn towards every recording and under every relation."""
+    """The best of every second, in turn towards every recording and under every relation; and what joins recordings."""
     # a pair is left from either side; each second names half of its transitions, its partners name the others
     most = max(1, int(0.5 * density))
+    costs = _costs(seams, pairs)
     starts = seams.repertoire.starts
-    cost = np.tile(_costs(seams, pairs), 2)
+    cost = np.tile(costs, 2)
     here, there = np.concatenate([pairs.a, pairs.b]), np.concatenate([pairs.b, pairs.a])
     second = ((here - starts[seams.recording[here]]) / seams.fps).astype(np.intp) + starts[seams.recording[here]]
     kind = np.tile(pairs.relation, 2) * seams.repertoire.recording_count + seams.recording[there]
     turn = _rank(cost, second, kind)
     named = _rank(turn + cost / 2.0, second) < most  # costs are at most 1
-    return pairs.take(named[: len(pairs.a)] | named[len(pairs.a) :])
+    return pairs.take(named[: len(pairs.a)] | named[len(pairs.a) :] | _bridges(seams, pairs, costs))
+
+
+def _bridges(seams: _Seams, pairs: _Pairs, costs: Array) -> Mask:
+    """The cheapest pairs that join all recordings and their mirror images that can be joined at all.
+
+    Where many recordings are much alike, the best pairs of every second lie among those; a few dearer ones hold the others.
+    So the spanning forest of least cost over recordings and mirror images is taken, several times over.
+    """
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import minimum_spanning_tree
+
+    count = seams.repertoire.recording_count
+    first, second = seams.recording[pairs.a], seams.recording[pairs.b]
+    # forwards and backwards make no difference here
+    edge = (first * count + second) * 2 + pairs.relation % 2
+    place = _rank(costs, edge)
+    best = np.flatnonzero((place == 0) & ((first != second) | (pairs.relation % 2 == 1)))
+    chosen = np.zeros(len(pairs.a), dtype=np.bool_)
+    for _ in range(_FORESTS):
+        if not len(best):
+            break
+        image = pairs.relation[best] % 2
+        tails = np.concatenate([first[best], first[best] + count])
+        heads = np.concatenate([second[best] + image * count, second[best] + (1 - image) * count])
+        weights = np.tile(costs[best] + 1e-6, 2)
+        tree = minimum_spanning_tree(csr_array((weights, (tails, heads)), shape=(2 * count, 2 * count))).tocoo()
+        ends = np.minimum(tree.row, tree.col) * 2 * count + np.maximum(tree.row, tree.col)
+        used = np.isin(np.minimum(tails, heads) * 2 * count + np.maximum(tails, heads), ends)
+        taken = used[: len(best)] | used[len(best) :]
+        chosen |= np.isin(edge, edge[best[taken]]) & (place < _BRIDGES)
+        best = best[~taken]
+    return chosen
 
 
 def _rank(values: Array, *groups: Indices) -> Indices:
