@@ -184,31 +184,42 @@ def grounded(motion: Motion, mapping: Mapping[str, object] | None = None) -> Mot
     return motion.replace(root_positions=roots)
 
 
-def soles(motion: Motion, mapping: Mapping[str, object] | None = None) -> Soles:
+def soles(motion: Motion, mapping: Mapping[str, object] | None = None, *, ground: Floor | None = None) -> Soles:
     """Heel, ball and tip of both feet, as they lie on the floor when the feet stand flat in this recording.
+
+    Parameters
+    ----------
+    ground : the floor, where it is known.
 
     Raises
     ------
     SkeletonError
         As `foot_contacts`.
     """
-    return _Feet.of(motion, mapping).soles()
+    return _Feet.of(motion, mapping, ground).soles()
 
 
-def contacts(motion: Motion, mapping: Mapping[str, object] | None = None, *, known: Soles | None = None) -> Contacts:
+def contacts(
+    motion: Motion,
+    mapping: Mapping[str, object] | None = None,
+    *,
+    known: Soles | None = None,
+    ground: Floor | None = None,
+) -> Contacts:
     """When each point of the soles bears on the ground.
 
     Parameters
     ----------
     mapping : as for `kinesics.body.anatomy.resolve`.
     known : the soles of this body, where another recording told them already.
+    ground : the floor, where it is known.
 
     Raises
     ------
     SkeletonError
         As `foot_contacts`.
     """
-    feet = _Feet.of(motion, mapping)
+    feet = _Feet.of(motion, mapping, ground)
     sole = feet.soles() if known is None else known
     places = sole.place(feet.positions, feet.rotations)
     speeds = _speeds(places.reshape(len(places), 6, 3), motion.fps).reshape(len(places), 2, 3)
@@ -248,7 +259,7 @@ class _Feet:
     """Height of the ball's joint (the ankle's, where there is no ball) above the sole, metres."""
 
     @classmethod
-    def of(cls, motion: Motion, mapping: Mapping[str, object] | None) -> _Feet:
+    def of(cls, motion: Motion, mapping: Mapping[str, object] | None, ground: Floor | None = None) -> _Feet:
         body = anatomy.resolve(motion, mapping)
         positions, rotations = motion.positions(), motion.global_rotations()
         leg = _leg_length(motion, body)
@@ -273,7 +284,7 @@ class _Feet:
             above = (ankles - balls)[..., 1]
             flat = float(np.quantile(above[bearing], 0.25)) if bearing.any() else float(above.min())
             thick = min(max(thick - flat, _BALL_HEIGHT[0] * stature), _BALL_HEIGHT[1] * stature)
-        floor = dataclasses.replace(plane, height=plane.height - thick)
+        floor = dataclasses.replace(plane, height=plane.height - thick) if ground is None else ground
         return cls(body, motion, positions, rotations, stature, slow, ankles, balls, bearing, floor, thick)
 
     def soles(self) -> Soles:

@@ -1,0 +1,155 @@
+"""From one recording into another without a seam: pose and velocity go over smoothly ([Schultz2012] §4.4).
+
+At a cut the pose leaps by an offset and changes its velocity. Neither recording is mixed with the other; instead the
+offset is taken away bit by bit (D. Bollo, *Inertialization: High-Performance Animation Transitions in Gears of War*, GDC
+2018), by a quintic that starts with the offset and its velocity and ends at rest, so that position, velocity and
+acceleration stay continuous.
+
+- `two_sided`: all at once, when what comes is known: the recording left bends towards the cut and the one entered away
+  from it, each by a share of the offset (all accelerations are then a quarter of what one side alone would need).
+- `one_sided`: live, when a cut is known only as it happens: what is entered bears the whole offset.
+
+Offsets of rotations are logarithms, ``q_entered = q_left · exp(δ)``: they are added on the right, in the frame of the
+joint itself, so that each path of a joint's rotation is curved by what it lacks and by nothing else. Velocities are changes
+of such logarithms; products of several small offsets are taken as the exponential of their sum.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinesics.geometry import quaternion
+
+Array = NDArray[np.float64]
+
+SHORTEST: Final = 0.08
+"""Seconds that a transition takes to either side of the cut, at least."""
+LONGEST: Final = 0.4
+"""At most: a longer one would show a movement that is neither the one nor the other."""
+_PEAK: Final = 10.0 / np.sqrt(3.0)
+"""Greatest acceleration of the quintic that goes from 1 to 0 in unit time."""
+_PEAK_OF_VELOCITY: Final = 3.95
+"""Greatest acceleration of the quintic that starts at 0 with unit velocity and ends at rest in unit time."""
+
+
+def ease(t: Array) -> Array:
+    """From 0 at t ≤ 0 to 1 at t ≥ 1 with no velocity and no acceleration at either end: 6t⁵ − 15t⁴ + 10t³."""
+    s = np.clip(t, 0.0, 1.0)
+    return np.asarray(s * s * s * (s * (6.0 * s - 15.0) + 10.0))
+
+
+def decay(offset: Array, velocity: Array, times: Array, duration: Array | float) -> Array:
+    """The quintic that starts at ``offset`` with ``velocity`` and no acceleration, and is at rest at 0 from ``duration`` on.
+
+    Parameters
+    ----------
+    offset, velocity : shape (..., n); the velocity per second.
+    times : seconds since the start, not negative, broadcast against the leading axes.
+    duration : seconds, above 0.
+
+    Returns
+    -------
+    Array
+        Shape of ``times`` broadcast with ``offset``.
+    """
+    t = np.minimum(times / duration, 1.0)[..., None]
+    seconds = np.asarray(duration)[..., None]
+    rest = 1.0 - t
+    # (1 − t)³ times a parabola whose value and first two derivatives at 0 are those wanted
+    cube = rest * rest * rest
+    parabola = offset * (1.0 + 3.0 * t + 6.0 * t * t) + velocity * seconds * (t + 3.0 * t * t)
+    return np.asarray(cube * parabola)
+
+
+def one_sided(offset: Array, velocity: Array, times: Array, duration: float) -> Array:
+    """What is added to the recording entered, ``times`` (n,) seconds after its first frame: (n, ..., 3).
+
+    Parameters
+    ----------
+    offset : of what is left from what is entered, at the first frame entered: (..., 3).
+    velocity : the same of the velocities, per second.
+    """
+    at = np.maximum(np.asarray(times, dtype=np.float64), 0.0).reshape(-1, *(1,) * (np.ndim(offset) - 1))
+    return decay(offset, velocity, at, duration)
+
+
+@dataclass(frozen=True)
+class Window:
+    """How long a transition takes to either side of the cut, and which share of the offset each side bears."""
+
+    before: float
+    """Seconds."""
+    after: float
+    share_before: float
+    """0 to 1; the rest is borne after the cut."""
+
+
+def window(
+    offsets: Array, velocities: Array, accelerations: Array, *, before: float = np.inf, after: float = np.inf
+) -> Window:
+    """How long a transition must take so that it accelerates nothing more than the recordings themselves do.
+
+    Parameters
+    ----------
+    offsets, velocities : size of each joint's offset (radians, or metres for the root's place) and of the leap of its
+        velocity (per second), shape (n,).
+    accelerations : what each may be accelerated by, per second², shape (n,): the 99th percentile of the recordings.
+    before, after : seconds that there are to either side of the cut.
+    """
+    # half the offset to either side: ½(d·peak/h² + v·peak_v/h) = a, solved for h
+    a = np.maximum(accelerations, 1e-9)
+    linear = 0.5 * velocities * _PEAK_OF_VELOCITY / a
+    square = 0.5 * offsets * _PEAK / a
+    needed = 0.5 * (linear + np.sqrt(linear * linear + 4.0 * square))
+    half = float(np.clip(needed.max(initial=0.0), SHORTEST, LONGEST))
+    first, last = min(half, before), min(half, after)
+    # the same acceleration on both sides: the share goes as the square of the time
+    weight = first * first + last * last
+    return Window(first, last, first * first / weight if weight > 0.0 else 0.5)
+
+
+def two_sided(offset: Array, velocity: Array, times: Array, window: Window) -> Array:
+    """What is added to the recordings on both sides of a cut, ``times`` (n,) seconds from the first frame entered.
+
+    Negative times lie in the recording left. ``left + two_sided(t < 0)`` and ``entered + two_sided(t ≥ 0)`` meet in value
+    and velocity and the added part has no acceleration there.
+
+    Parameters
+    ----------
+    offset : of what is entered from what is left, at the first frame entered: (..., 3).
+    velocity : the same of the velocities, per second.
+
+    Returns
+    -------
+    Array
+        Shape (n, ..., 3).
+    """
+    t = np.asarray(times, dtype=np.float64)
+    at = t.reshape(-1, *(1,) * (np.ndim(offset) - 1))
+    s = window.share_before
+    out = np.zeros((len(t), *np.shape(offset)))
+    early, late = t < 0.0, t >= 0.0
+    if window.before > 0.0:
+        # the same quintic with time turned round
+        out[early] = decay(s * offset, -s * velocity, -at[early], window.before)
+    out[late] = decay((s - 1.0) * offset, (s - 1.0) * velocity, at[late], max(window.after, 1e-9))
+    return out
+
+
+def rotation_offset(left: Array, entered: Array) -> Array:
+    """δ with ``entered = left · exp(δ)``, rotation vectors of at most π, shape (..., 4) to (..., 3)."""
+    return quaternion.as_rotvec(quaternion.multiply(quaternion.conjugate(left), entered))
+
+
+def add_rotation(q: Array, offset: Array) -> Array:
+    """``q · exp(offset)``, shapes (..., 4) and (..., 3)."""
+    return quaternion.multiply(q, quaternion.from_rotvec(offset))
+
+
+def angular_velocity(before: Array, after: Array, seconds: float) -> Array:
+    """Of joints that turn from ``before`` to ``after``, in their own frames, rad/s, shape (..., 4) to (..., 3)."""
+    return rotation_offset(before, after) / seconds

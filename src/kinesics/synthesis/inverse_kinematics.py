@@ -1,0 +1,221 @@
+"""Legs that reach: the hip, knee and ankle rotations that put an ankle at a given place ([Schultz2012] §2.6, turned round).
+
+A leg is two bones with a hinge between them, so the answer is exact and needs no iteration (Kovar, Schreiner & Gleicher
+2002, *Footskate Cleanup for Motion Capture Editing*, §4.3): the knee is bent until the ankle is as far from the hip as the
+target is, then the whole leg is swung at the hip, by the least rotation, until the ankle is there. The foot keeps its
+orientation in the world. Joints between hip and knee or knee and ankle (twist joints) stay as they are.
+
+Near full extension a small change of distance would need a large one of the knee. From `SOFT` of the leg's length on the
+distance is given less and less of what is asked, so that the knee never snaps (their §4.4, with a limit that is never
+reached in place of one that is cut); a leg that already is straighter than that counts from where it is, so that nothing
+changes where nothing is asked.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinesics.body import kinematics
+from kinesics.body.kinematics import Kinematics
+from kinesics.body.skeleton import Skeleton
+from kinesics.errors import InputError, SkeletonError
+from kinesics.geometry import quaternion
+
+Array = NDArray[np.float64]
+
+SOFT: Final = 0.985
+"""Share of the leg's length, hip to ankle, up to which a target is reached exactly; the knee is then bent by 20°."""
+STRAIGHTEST: Final = 0.9999
+"""Share of the leg's length that no target takes it beyond."""
+_CLEAR_BEND: Final = 0.15
+"""Sine of the knee's bend from which the plane of the bend is the leg's own; below it is more and more the hinge's."""
+_BACKWARD_KNEE: Final = -0.15
+"""Radians: knees that bend the wrong way by more are taken to be meant."""
+
+
+@dataclass(frozen=True, eq=False)
+class Legs:
+    """The joints of both legs, left and right."""
+
+    femurs: tuple[int, int]
+    tibias: tuple[int, int]
+    feet: tuple[int, int]
+    hinges: Array
+    """The knee's axis in the frame of the tibia, unit vectors, shape (2, 3): the knee bends by positive turns about it."""
+
+
+class Reached(NamedTuple):
+    """Legs after they reached."""
+
+    rotations: Array
+    """Of all joints relative to their parents, shape (frames, joints, 4)."""
+    misses: Array
+    """Metres by which each ankle falls short of its target, shape (frames, 2)."""
+
+
+def legs(skeleton: Skeleton) -> Legs:
+    """The legs of a skeleton that carries its anatomy.
+
+    Raises
+    ------
+    SkeletonError
+        If it carries none, has no ankles, or a leg's bones have no length.
+    """
+    body = skeleton.anatomy
+    if body is None:
+        raise SkeletonError("The skeleton does not carry its anatomy: take that of `kinesics.body.anatomy.understood`.")
+    found: dict[str, list[int]] = {part: [] for part in ("femur", "tibia", "foot")}
+    for side in ("left", "right"):
+        for part, joints in found.items():
+            joint = getattr(body.roles, f"{side}_{part}")
+            if joint is None:
+                raise SkeletonError(
+                    f"The {side} leg has no ankle joint, so that its foot cannot be kept in place.",
+                    missing=(f"{side}_{part}",),
+                )
+            joints.append(joint)
+        for upper, lower in ((found["femur"], found["tibia"]), (found["tibia"], found["foot"])):
+            chain = _chain(skeleton, upper[-1], lower[-1])
+            if sum(float(np.linalg.norm(skeleton.offsets[j])) for j in chain) < 1e-9:
+                raise SkeletonError(
+                    f"Joints '{skeleton.joint_names[upper[-1]]}' and '{skeleton.joint_names[lower[-1]]}' lie at one place: "
+                    "a leg without length reaches nothing."
+                )
+    tibias = found["tibia"]
+    hinges = quaternion.rotate(body.frames[tibias], np.array([1.0, 0.0, 0.0]))
+    return Legs(
+        (found["femur"][0], found["femur"][1]), (tibias[0], tibias[1]), (found["foot"][0], found["foot"][1]), hinges
+    )
+
+
+def reach(
+    skeleton: Skeleton,
+    rotations: Array,
+    root_positions: Array,
+    targets: Array,
+    *,
+    limbs: Legs | None = None,
+    known: Kinematics | None = None,
+) -> Reached:
+    """Put the ankles at their targets, feet oriented in the world as they were.
+
+    Parameters
+    ----------
+    rotations : relative to the parents, unit quaternions, shape (frames, joints, 4).
+    root_positions : metres, shape (frames, 3).
+    targets : of the left and right ankle in the world, metres, shape (frames, 2, 3).
+    limbs : the legs, where known; else those of the skeleton's anatomy.
+    known : forward kinematics of these rotations, where known.
+
+    Raises
+    ------
+    InputError
+        If shapes disagree or a target is not finite.
+    SkeletonError
+        As `legs`.
+    """
+    limbs = legs(skeleton) if limbs is None else limbs
+    if targets.shape != (len(rotations), 2, 3) or not np.isfinite(targets).all():
+        raise InputError(f"Expected finite `targets` of shape ({len(rotations)}, 2, 3), got {targets.shape}.")
+    where, world = kinematics.forward(skeleton, rotations, root_positions) if known is None else known
+    femurs, tibias, feet = list(limbs.femurs), list(limbs.tibias), list(limbs.feet)
+    hip, knee, ankle = where[:, femurs], where[:, tibias], where[:, feet]
+    bend, swing, wanted = _bend_and_swing(
+        hip, knee, ankle, targets, quaternion.rotate(world[:, tibias], limbs.hinges)
+    )
+    out = rotations.copy()
+    parents = skeleton.parents
+    lower = quaternion.multiply(swing, bend)
+    # each is the old world orientation, turned, seen from its parent, turned or not
+    out[:, femurs] = _local(world[:, [parents[j] for j in femurs]], quaternion.multiply(swing, world[:, femurs]))
+    above = quaternion.multiply(swing, world[:, [parents[j] for j in tibias]])
+    out[:, tibias] = _local(above, quaternion.multiply(lower, world[:, tibias]))
+    above = quaternion.multiply(lower, world[:, [parents[j] for j in feet]])
+    out[:, feet] = _local(above, world[:, feet])
+    return Reached(out, wanted)
+
+
+def _bend_and_swing(hip: Array, knee: Array, ankle: Array, target: Array, hinge: Array) -> tuple[Array, Array, Array]:
+    """Turns in the world of what hangs on the knee, then of the whole leg; and by how much the target is missed.
+
+    Shapes (..., 3) to (..., 4), (..., 4), (...).
+    """
+    upper, lower = knee - hip, ankle - knee
+    l1, l2 = _length(upper), _length(lower)
+    u, v = upper / l1[..., None], lower / l2[..., None]
+    now, asked = _length(ankle - hip), _length(target - hip)
+    far = softened(asked, now, l1 + l2)
+    far = np.maximum(far, np.abs(l1 - l2) + 1e-4 * (l1 + l2))
+    far = np.where(asked == now, now, far)
+    # the axis: at right angles to the bend that there is, the knee's own hinge where there is none
+    across = np.cross(u, v)
+    sine = _length(across)
+    plain = np.clip(np.sum(across * hinge, axis=-1) / _CLEAR_BEND, 0.0, 1.0)
+    plain = (plain * plain * (3.0 - 2.0 * plain))[..., None]
+    axis = plain * across / np.where(sine > 1e-12, sine, 1.0)[..., None] + (1.0 - plain) * hinge
+    axis /= _length(axis)[..., None]
+    # u·(v turned by Δ about the axis) = a cos Δ + b sin Δ + c must become what the law of cosines asks of it
+    along_u, along_v = np.sum(axis * u, axis=-1), np.sum(axis * v, axis=-1)
+    c = along_u * along_v
+    cosine = np.sum(u * v, axis=-1)
+    a, b = cosine - c, np.sum(u * np.cross(axis, v), axis=-1)
+    size = np.hypot(a, b)
+    wanted = (far**2 - l1**2 - l2**2) / (2.0 * l1 * l2)
+    bent = -np.arctan2(b, a)
+    angle = np.arccos(np.clip((wanted - c) / size, -1.0, 1.0)) - np.abs(bent)
+    angle = np.where(bent < _BACKWARD_KNEE, -angle, angle)
+    angle = np.where(asked == now, 0.0, angle)
+    half = 0.5 * angle[..., None]
+    bend = np.concatenate([np.cos(half), np.sin(half) * axis], axis=-1)
+    reached = upper + quaternion.rotate(bend, lower)
+    swing = _between(reached, target - hip)
+    return bend, swing, np.abs(_length(reached) - asked)
+
+
+def softened(asked: Array, now: Array, length: Array) -> Array:
+    """How far from the hip the ankle goes when so much is asked: all of it up to `SOFT` of the leg, then ever less.
+
+    Parameters
+    ----------
+    asked, now : distance of target and ankle from the hip, metres.
+    length : of the leg when straight, metres.
+    """
+    most = STRAIGHTEST * length
+    start = np.minimum(np.maximum(now, SOFT * length), most - 1e-9 * length)
+    room = most - start
+    beyond = np.maximum(asked - start, 0.0)
+    return np.asarray(np.where(asked <= start, asked, start + room * -np.expm1(-beyond / room)))
+
+
+def _between(a: Array, b: Array) -> Array:
+    """The least rotation from direction a to direction b, none where either has no length."""
+    a, b = a / np.maximum(_length(a), 1e-12)[..., None], b / np.maximum(_length(b), 1e-12)[..., None]
+    halfway = a + b
+    w = 0.5 * _length(halfway)
+    safe = w > 1e-9
+    vector = np.cross(a, halfway) / np.where(safe, 2.0 * w, 1.0)[..., None]
+    q = np.concatenate([np.where(safe, w, 1.0)[..., None], np.where(safe[..., None], vector, 0.0)], axis=-1)
+    return np.asarray(q / _length(q)[..., None])
+
+
+def _local(parent: Array, world: Array) -> Array:
+    return quaternion.multiply(quaternion.conjugate(parent), world)
+
+
+def _length(v: Array) -> Array:
+    return np.asarray(np.sqrt(np.einsum("...i,...i->...", v, v)))
+
+
+def _chain(skeleton: Skeleton, upper: int, lower: int) -> list[int]:
+    """Joints below ``upper`` down to ``lower``."""
+    out = []
+    while lower != upper:
+        out.append(lower)
+        lower = skeleton.parents[lower]
+        if lower < 0:
+            raise SkeletonError("The joints of a leg do not hang on each other.")
+    return out

@@ -1,0 +1,650 @@
+"""A list of paths performed: one movement without seams, its feet on the ground ([Schultz2012] §4.4).
+
+1. Paths are laid end to end: each is turned about the vertical and shifted over the floor so that its first moment takes
+   the place and the heading of the one with which the path before would have gone on (Kovar, Gleicher & Pighin 2002, §3.3).
+2. At every cut the offset of pose, height and tilt is taken away over a short time (`kinesics.synthesis.blending`), over a
+   time that accelerates nothing more than the recordings do.
+3. Feet that bear stay where they are (after Kovar, Schreiner & Gleicher 2002). Their data tell which part of the sole bears:
+   the lower a point, the more (heel, then ball, then tip). What the bearing part slides is added up and taken off the
+   ankle's place, whole while the foot bears, and given back while it swings, so that the ankle's way is as smooth as it
+   was. The lowest point of a bearing sole is put on the floor, and none is let below it. Where a leg cannot reach so far,
+   the pelvis is lowered a little, before and after too.
+4. Legs reach by inverse kinematics; feet keep their orientation.
+
+`LiveRenderer` does the same frame by frame, knowing only the past.
+"""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kinesics.body import contacts as _contacts
+from kinesics.body import kinematics
+from kinesics.body.contacts import Floor, Soles, runs
+from kinesics.body.motion import Motion
+from kinesics.errors import InputError
+from kinesics.geometry import quaternion
+from kinesics.synthesis import blending, inverse_kinematics
+from kinesics.synthesis.inverse_kinematics import Legs
+from kinesics.synthesis.network import Network
+from kinesics.synthesis.repertoire import Repertoire
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+Indices = NDArray[np.intp]
+
+YARDSTICK: Final = 0.99
+"""Quantile of the recordings' own accelerations that a transition may not exceed."""
+BEARING: Final = 0.008
+"""Metres: a point of the sole this much above the lowest bears e times less."""
+RELEASE: Final = 0.06
+"""Seconds before and after a contact over which the foot is let go."""
+LIFT: Final = 0.10
+"""Seconds before and after a contact over which the sole comes down to the floor."""
+SHORTEST_CONTACT: Final = 0.06
+"""Seconds: contacts and gaps shorter than this that arise at a transition are none."""
+GENTLE: Final = 10.0
+"""m/s²: what a swinging foot may be accelerated by on its way to another place than the recording's."""
+TOLERATED: Final = 0.01
+"""Metres that a foot stands beside its place in the recording which weigh as much as `GENTLE` in the air."""
+SINK: Final = 0.15
+"""Seconds before and after over which the pelvis gives way where a leg cannot reach."""
+
+
+@dataclass(frozen=True, eq=False)
+class Provenance:
+    """Where every frame of a performance comes from; arrays of shape (frames,) unless said otherwise."""
+
+    moment: Indices
+    """In the repertoire: see `kinesics.synthesis.repertoire`."""
+    recording: Indices
+    """Number of the recording."""
+    source_frame: Array
+    """Place in that recording, in its own frames."""
+    mirrored: Mask
+    backwards: Mask
+    step: Indices
+    """Place in the list of paths."""
+    path: Indices
+    """Number of the path in the network."""
+    transition: Mask
+    """Whether the frame lies within a transition: its pose is not quite that of its source."""
+    weight: Array
+    """Share of the frame's own recording in it: 1 away from transitions, about ½ at a cut, where the other is the rest."""
+
+
+class Contact(NamedTuple):
+    """One foot on the ground."""
+
+    foot: int
+    """0 left, 1 right."""
+    start: int
+    """Frames [start, end)."""
+    end: int
+    place: tuple[float, float]
+    """Of the bearing part of the sole, on the average: x, z, metres."""
+
+
+@dataclass(frozen=True, eq=False)
+class Performance:
+    """A new movement, and where it comes from."""
+
+    motion: Motion
+    provenance: Provenance
+    paths: tuple[int, ...]
+    """Numbers of the paths in the network, in the order of performance."""
+    cuts: Indices
+    """First frame of every path that a transition leads to, shape (cuts,)."""
+    feet: Mask
+    """Whether the left and the right foot bear on the ground, shape (frames, 2)."""
+    contacts: tuple[Contact, ...]
+    soles: Soles
+    corrected: Array
+    """Metres by which the ankles were moved to keep the feet on the ground, shape (frames, 2, 3)."""
+    lowered: Array
+    """Metres by which the pelvis was lowered, shape (frames,)."""
+    missed: Array
+    """Metres by which each ankle falls short of its place all the same, shape (frames, 2)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """What is measured once on a repertoire: soles, legs, how quick its joints are and how far they go."""
+
+    repertoire: Repertoire
+    legs: Legs
+    soles: Soles
+    levels: Array
+    """Height above the floor at which each point of the soles usually bears, metres, shape (2, 3)."""
+    accelerations: Array
+    """99th percentile for each joint (rad/s²) and, last, for the root's place (m/s²), shape (joints + 1,)."""
+    blended: Indices
+    """Joints that set the length of a transition: those of the body, not fingers or toes; and the root's place."""
+    middle: Array
+    """Mean rotation of each joint over all recordings and mirror images, shape (joints, 4)."""
+    low: Array
+    """Least and greatest component of the rotation vector of each joint from its mean, radians, shape (joints, 3)."""
+    high: Array
+
+    @classmethod
+    def of(cls, repertoire: Repertoire) -> Stage:
+        """Of a repertoire; measured once and kept as long as the repertoire is.
+
+        Raises
+        ------
+        SkeletonError
+            If the skeleton's legs have no feet.
+        """
+        if repertoire not in _stages:
+            _stages[repertoire] = cls._measured(repertoire)
+        return _stages[repertoire]
+
+    @classmethod
+    def _measured(cls, repertoire: Repertoire) -> Stage:
+        skeleton, fps = repertoire.skeleton, repertoire.fps
+        whole = Motion(skeleton, repertoire.rotations[0], repertoire.root_positions[0], fps)
+        found = _contacts.contacts(whole, ground=Floor(0.0))
+        legs = inverse_kinematics.legs(skeleton)
+        strands = (0, 1) if repertoire.mirrored else (0,)
+        rotations = repertoire.rotations[list(strands)]
+        inside = _inner(repertoire)
+        accelerations = np.full(skeleton.joint_count + 1, 1e-6)
+        if len(inside):
+            velocity = blending.angular_velocity(rotations[:, :-1], rotations[:, 1:], 1.0 / fps)
+            change = np.linalg.norm(np.diff(velocity, axis=1), axis=-1)[:, inside - 1] * fps
+            accelerations[:-1] = np.quantile(change.reshape(-1, skeleton.joint_count), YARDSTICK, axis=0)
+            place = np.diff(repertoire.root_positions[0], n=2, axis=0)[inside - 1] * fps**2
+            accelerations[-1] = np.quantile(np.linalg.norm(place, axis=-1), YARDSTICK)
+        middle = np.empty((skeleton.joint_count, 4))
+        flat = rotations.reshape(-1, skeleton.joint_count, 4)
+        middle[:] = quaternion.mean(flat[:: max(1, len(flat) // 4000)])
+        vectors = blending.rotation_offset(middle, flat)
+        levels = 0.5 * (found.levels + found.levels[::-1])
+        return cls(
+            repertoire,
+            legs,
+            found.soles,
+            levels,
+            accelerations,
+            _body_joints(repertoire),
+            middle,
+            vectors.min(axis=0),
+            vectors.max(axis=0),
+        )
+
+    @cached_property
+    def native_fps(self) -> float:
+        """Frames a second."""
+        return self.repertoire.fps
+
+
+_stages: weakref.WeakKeyDictionary[Repertoire, Stage] = weakref.WeakKeyDictionary()
+
+
+def _inner(repertoire: Repertoire) -> Indices:
+    """Frames that have a neighbour on both sides in their own recording."""
+    inside = np.ones(repertoire.frame_count, dtype=np.bool_)
+    inside[repertoire.starts[:-1]] = False
+    inside[repertoire.starts[1:] - 1] = False
+    return np.nonzero(inside)[0]
+
+
+def _body_joints(repertoire: Repertoire) -> Indices:
+    """Joints that carry the 15 links, and number ``joint_count`` for the root's place."""
+    skeleton = repertoire.skeleton
+    assert skeleton.anatomy is not None
+    roles = skeleton.anatomy.roles
+    joints = {0, roles.pelvis, *roles.spine, *roles.neck, roles.head}
+    for side in ("left", "right"):
+        joints |= {getattr(roles, f"{side}_{part}") for part in ("femur", "tibia", "humerus", "radius")}
+    return np.array([*sorted(joints), skeleton.joint_count], dtype=np.intp)
+
+
+def render(
+    network: Network,
+    paths: Sequence[int] | Indices,
+    *,
+    start: ArrayLike = (0.0, 0.0),
+    heading: float = 0.0,
+    bend: ArrayLike | None = None,
+    pinned: bool = True,
+    name: str = "performance",
+) -> Performance:
+    """Perform paths one after another as one continuous movement.
+
+    Parameters
+    ----------
+    network : of the paths.
+    paths : numbers of paths, each a successor of the one before.
+    start : where the root is in the first frame, x and z, metres.
+    heading : where the pelvis faces in the first frame, radians about +y from +z.
+    bend : radians that each path is turned by besides, spread evenly over its frames, to the left if positive: shape (paths,).
+    pinned : whether feet are kept in place.
+
+    Raises
+    ------
+    InputError
+        If there is no path, a number is none of a path, or a path does not follow the one before.
+    SkeletonError
+        If the skeleton's legs have no feet.
+    """
+    chosen = _checked(network, paths)
+    extra = np.zeros(len(chosen)) if bend is None else np.asarray(bend, dtype=np.float64)
+    origin = np.asarray(start, dtype=np.float64)
+    if extra.shape != (len(chosen),) or not np.isfinite(extra).all():
+        raise InputError(f"Expected one finite `bend` for each of {len(chosen)} paths, got shape {extra.shape}.")
+    if origin.shape != (2,) or not np.isfinite(origin).all() or not np.isfinite(heading):
+        raise InputError(f"Expected `start` as finite x, z and a finite `heading`, got {start} and {heading}.")
+    stage = Stage.of(network.repertoire)
+    laid = _lay(network, chosen, origin, float(heading), extra)
+    blended = _blend(stage, laid)
+    rotations, roots = _within_range(stage, blended.rotations, laid.transition), blended.roots
+    standing = _standing(network.repertoire, laid)
+    if pinned:
+        footed = _pin(stage, rotations, roots, standing)
+        rotations, roots = footed.rotations, footed.roots
+    else:
+        zero = np.zeros((len(roots), 2, 3))
+        footed = _Footed(rotations, roots, zero, np.zeros(len(roots)), np.zeros((len(roots), 2)))
+    motion = Motion(
+        network.repertoire.skeleton,
+        rotations,
+        roots,
+        network.repertoire.fps,
+        name=name,
+        assumptions=network.repertoire.assumptions,
+    )
+    return Performance(
+        motion,
+        _provenance(network, laid, blended.weight),
+        tuple(int(p) for p in chosen),
+        laid.cuts,
+        standing,
+        _contact_list(stage, motion, standing),
+        stage.soles,
+        footed.corrected,
+        footed.lowered,
+        footed.missed,
+    )
+
+
+def _checked(network: Network, paths: Sequence[int] | Indices) -> Indices:
+    chosen = np.asarray(paths)
+    if chosen.ndim != 1 or len(chosen) == 0 or not np.issubdtype(chosen.dtype, np.integer):
+        raise InputError(f"Expected a list of path numbers, got {paths!r}.")
+    chosen = chosen.astype(np.intp)
+    if chosen.min() < 0 or chosen.max() >= len(network):
+        raise InputError(f"Expected paths below {len(network)}, got {chosen.min()} to {chosen.max()}.")
+    for k in range(1, len(chosen)):
+        if chosen[k] not in network.successors(int(chosen[k - 1])):
+            raise InputError(
+                f"Path {chosen[k]} (number {k} in the list) does not follow path {chosen[k - 1]}. Its successors: "
+                f"{', '.join(str(s) for s in network.successors(int(chosen[k - 1])))}."
+            )
+    return chosen
+
+
+# --- laid end to end
+
+
+@dataclass(frozen=True, eq=False)
+class _Laid:
+    """Paths end to end, before anything is blended."""
+
+    moments: Indices
+    """Shape (frames,)."""
+    step: Indices
+    path: Indices
+    cuts: Indices
+    """Frames at which a transition arrives."""
+    rotations: Array
+    roots: Array
+    offsets: Array
+    """Of every cut, joints and (last) the root's place: shape (cuts, joints + 1, 3)."""
+    velocities: Array
+    """The same of what they change by in a second."""
+    room: Array
+    """Seconds before and after each cut to the next: shape (cuts, 2)."""
+    fps: float
+
+    @cached_property
+    def transition(self) -> Mask:
+        """Frames within `blending.LONGEST` of a cut."""
+        near = np.zeros(len(self.moments), dtype=np.bool_)
+        reach = int(np.ceil(blending.LONGEST * self.fps))
+        for cut in self.cuts.tolist():
+            near[max(0, cut - reach) : cut + reach] = True
+        return near
+
+
+def _lay(network: Network, chosen: Indices, origin: Array, heading: float, extra: Array) -> _Laid:
+    repertoire = network.repertoire
+    fps = repertoire.fps
+    lengths = network.length[chosen]
+    ends = np.cumsum(lengths)
+    begins = ends - lengths
+    frames = int(ends[-1])
+    step = np.repeat(np.arange(len(chosen)), lengths)
+    within = np.arange(frames) - begins[step]
+    moments = repertoire.advance(network.first[chosen][step], within)
+    first, onward = network.first[chosen], network.onward[chosen]
+    # the heading: the first moment of a path faces where the one before would have faced
+    face_first, face_onward = repertoire.yaw_of(first), repertoire.yaw_of(onward)
+    turn = heading - face_first[0] + np.concatenate([[0.0], np.cumsum(face_onward[:-1] - face_first[1:])])
+    bent = np.concatenate([[0.0], np.cumsum(extra)])
+    lean = bent[step] + extra[step] * _even(within / lengths[step])
+    yaw = turn[step] + lean
+    # the place: steps of the recordings, each turned as its path is
+    here, after = repertoire.roots_of(moments), repertoire.roots_of(repertoire.advance(moments, 1))
+    moved = after - here
+    half = yaw + 0.5 * extra[step] / lengths[step]
+    x = np.cos(half) * moved[:, 0] + np.sin(half) * moved[:, 2]
+    z = -np.sin(half) * moved[:, 0] + np.cos(half) * moved[:, 2]
+    roots = here.copy()
+    roots[:, 0] = origin[0] + np.concatenate([[0.0], np.cumsum(x)[:-1]])
+    roots[:, 2] = origin[1] + np.concatenate([[0.0], np.cumsum(z)[:-1]])
+    rotations = repertoire.rotations_of(moments)
+    rotations[:, 0] = quaternion.multiply(_about_y(yaw), rotations[:, 0])
+
+    jumps = np.nonzero(first[1:] != onward[:-1])[0] + 1
+    cuts = begins[jumps]
+    joints = repertoire.skeleton.joint_count
+    offsets = np.zeros((len(cuts), joints + 1, 3))
+    velocities = np.zeros_like(offsets)
+    if len(cuts):
+        world = turn + bent[:-1]
+        offsets, velocities = _seams(repertoire, onward[jumps - 1], world[jumps - 1] + extra[jumps - 1], first[jumps], world[jumps])
+    bounds = np.concatenate([[0], cuts, [frames]])
+    room = np.stack([cuts - bounds[:-2], bounds[2:] - cuts], axis=-1) / fps
+    return _Laid(moments, step, chosen[step], cuts, rotations, roots, offsets, velocities, room, fps)
+
+
+def _even(t: Array) -> Array:
+    return t
+
+
+def _seams(repertoire: Repertoire, left: Indices, left_yaw: Array, entered: Indices, entered_yaw: Array) -> tuple[Array, Array]:
+    """Offsets of what is entered from what is left, and how quickly they change, shapes (cuts, joints + 1, 3)."""
+    fps = repertoire.fps
+    found = []
+    for shift in (-1, 0, 1):
+        a, b = repertoire.advance(left, shift), repertoire.advance(entered, shift)
+        there = (a >= 0) & (b >= 0)
+        sides = []
+        for moments, yaw in ((np.where(there, a, left), left_yaw), (np.where(there, b, entered), entered_yaw)):
+            q = repertoire.rotations_of(moments)
+            q[:, 0] = quaternion.multiply(_about_y(yaw), q[:, 0])
+            sides.append((q, quaternion.rotate(_about_y(yaw), repertoire.roots_of(moments))))
+        turned = blending.rotation_offset(sides[0][0], sides[1][0])
+        moved = sides[1][1] - sides[0][1]
+        found.append((np.concatenate([turned, moved[:, None]], axis=1), there))
+    (before, early), (now, _), (after, late) = found
+    span = (early.astype(np.float64) + late.astype(np.float64))[:, None, None]
+    # a rotation vector leaps where it passes half a turn; such an offset has no velocity that could be told
+    change = after - before
+    velocity = np.where(span > 0.0, change / np.maximum(span, 1.0) * fps, 0.0)
+    velocity = np.where(np.linalg.norm(change, axis=-1, keepdims=True) < 2.0, velocity, 0.0)
+    now = now.copy()
+    now[:, -1, [0, 2]] = 0.0  # the place on the floor is that of the recording left, by the way the paths were laid
+    return now, velocity
+
+
+def _about_y(yaw: Array) -> Array:
+    half = 0.5 * np.asarray(yaw)
+    zero = np.zeros_like(half)
+    return np.stack([np.cos(half), zero, np.sin(half), zero], axis=-1)
+
+
+# --- without seams
+
+
+class _Blended(NamedTuple):
+    rotations: Array
+    roots: Array
+    weight: Array
+
+
+def _blend(stage: Stage, laid: _Laid) -> _Blended:
+    frames = len(laid.moments)
+    rotations, roots = laid.rotations, laid.roots.copy()
+    weight = np.ones(frames)
+    added = np.zeros((frames, *laid.offsets.shape[1:])) if len(laid.cuts) else None
+    for k, cut in enumerate(laid.cuts.tolist()):
+        assert added is not None
+        size, speed = np.linalg.norm(laid.offsets[k], axis=-1), np.linalg.norm(laid.velocities[k], axis=-1)
+        which = stage.blended
+        span = blending.window(
+            size[which], speed[which], stage.accelerations[which], before=laid.room[k, 0], after=laid.room[k, 1]
+        )
+        a = max(0, cut - int(np.ceil(span.before * laid.fps)))
+        b = min(frames, cut + int(np.ceil(span.after * laid.fps)) + 1)
+        times = (np.arange(a, b) - cut) / laid.fps
+        added[a:b] += blending.two_sided(laid.offsets[k], laid.velocities[k], times, span)
+        own = np.where(times < 0.0, 1.0 - span.share_before * blending.ease(1.0 + times / max(span.before, 1e-9)), 0.0)
+        own += np.where(
+            times >= 0.0, 1.0 - (1.0 - span.share_before) * blending.ease(1.0 - times / max(span.after, 1e-9)), 0.0
+        )
+        weight[a:b] = np.minimum(weight[a:b], own)
+    if added is not None:
+        touched = np.nonzero(np.any(added != 0.0, axis=(1, 2)))[0]
+        rotations = rotations.copy()
+        rotations[touched] = blending.add_rotation(rotations[touched], added[touched, :-1])
+        roots += added[:, -1]
+    return _Blended(rotations, roots, weight)
+
+
+def _within_range(stage: Stage, rotations: Array, where: Mask) -> Array:
+    """Joints put back into the range that they have in the recordings, over a stretch rather than at once."""
+    frames = np.nonzero(where)[0]
+    if len(frames) == 0:
+        return rotations
+    vectors = np.zeros((len(rotations), *rotations.shape[1:-1], 3))
+    vectors[frames] = blending.rotation_offset(stage.middle, rotations[frames])
+    inside = np.clip(vectors, stage.low, stage.high)
+    beyond = np.nonzero(np.any(vectors != inside, axis=(0, 2)) & True)[0]
+    out = rotations.copy()
+    for j in beyond.tolist():
+        if j == 0:
+            continue  # the root is free
+        excess = vectors[:, j] - inside[:, j]
+        reach = max(1, round(0.1 * stage.repertoire.fps))
+        for axis in range(3):
+            for sign in (1.0, -1.0):
+                over = np.maximum(sign * excess[:, axis], 0.0)
+                if over.any():
+                    vectors[:, j, axis] -= sign * envelope(over, reach)
+        changed = np.nonzero(where)[0]
+        vectors[:, j] = np.clip(vectors[:, j], stage.low[j], stage.high[j])
+        out[changed, j] = blending.add_rotation(stage.middle[j], vectors[changed, j])
+    return out
+
+
+def envelope(values: Array, reach: int) -> Array:
+    """A smooth curve that is nowhere below ``values`` (frames,), which are not negative: it rises and falls over ``reach``.
+
+    The greatest within ``reach`` frames, averaged under a Hann window of the same reach.
+    """
+    from scipy.ndimage import maximum_filter1d
+
+    if not values.any():
+        return np.zeros_like(values)
+    wide = maximum_filter1d(values, 2 * reach + 1, mode="nearest")
+    window = np.hanning(2 * reach + 3)[1:-1]
+    window /= window.sum()
+    return np.convolve(np.pad(wide, reach, mode="edge"), window, "valid")
+
+
+# --- feet
+
+
+def _standing(repertoire: Repertoire, laid: _Laid) -> Mask:
+    """When the feet bear: as in the sources, but for what is too short at a cut to be a contact or a gap."""
+    out = repertoire.contacts_of(laid.moments).copy()
+    shortest = round(SHORTEST_CONTACT * laid.fps)
+    for k in (0, 1):
+        for cut in laid.cuts.tolist():
+            for value in (False, True):
+                for a, b in _runs_near(out[:, k] == value, cut, shortest):
+                    if b - a < shortest and a > 0 and b < len(out):
+                        out[a:b, k] = not value
+    return out
+
+
+def _runs_near(mask: Mask, cut: int, reach: int) -> list[tuple[int, int]]:
+    """Runs of True that touch the frames on either side of a cut."""
+    low, high = max(0, cut - 2 * reach - 2), min(len(mask), cut + 2 * reach + 2)
+    return [(low + a, low + b) for a, b in runs(mask[low:high]) if low + a <= cut <= low + b]
+
+
+class _Footed(NamedTuple):
+    rotations: Array
+    roots: Array
+    corrected: Array
+    lowered: Array
+    missed: Array
+
+
+def _pin(stage: Stage, rotations: Array, roots: Array, standing: Mask) -> _Footed:
+    repertoire, legs = stage.repertoire, stage.legs
+    skeleton, fps = repertoire.skeleton, repertoire.fps
+    known = kinematics.forward(skeleton, rotations, roots)
+    soles = stage.soles.place(known.positions, known.rotations)
+    hips, ankles = known.positions[:, list(legs.femurs)], known.positions[:, list(legs.feet)]
+    height = soles[..., 1] - stage.levels
+    corrected = np.zeros_like(ankles)
+    for k in (0, 1):
+        corrected[:, k, [0, 2]] = _unslid(soles[:, k][..., [0, 2]], height[:, k], standing[:, k], fps)
+        corrected[:, k, 1] = _raised(soles[:, k, :, 1], standing[:, k], fps)
+    targets = ankles + corrected
+    lowered = _lowering(stage, known.positions, hips, targets, standing, fps)
+    drop = np.stack([np.zeros_like(lowered), lowered, np.zeros_like(lowered)], axis=-1)
+    lower = roots - drop
+    known = known._replace(positions=known.positions - drop[:, None])
+    done = inverse_kinematics.reach(skeleton, rotations, lower, targets, limbs=legs, known=known)
+    return _Footed(done.rotations, lower, corrected, lowered, done.misses)
+
+
+def bearing(height: Array) -> Array:
+    """Share of the weight that each point of a sole bears, by its height: shape (..., points) to the same, sum 1."""
+    level = height - height.min(axis=-1, keepdims=True)
+    weight = np.exp(-level / BEARING)
+    return np.asarray(weight / weight.sum(axis=-1, keepdims=True))
+
+
+def _unslid(points: Array, height: Array, standing: Mask, fps: float) -> Array:
+    """What must be added to a foot's place so that it does not slide while it bears: (frames, 2).
+
+    Parameters
+    ----------
+    points : of its sole, x and z, shape (frames, points, 2); ``height`` of them, shape (frames, points).
+    """
+    frames = len(points)
+    if frames < 2 or not standing.any():
+        return np.zeros((frames, 2))
+    share = bearing(0.5 * (height[1:] + height[:-1]))
+    slid = np.einsum("fp,fpi->fi", share, np.diff(points, axis=0))
+    held = _held(standing, RELEASE * fps)
+    held = np.minimum(held[1:], held[:-1])
+    kept = np.concatenate([np.zeros((1, 2)), np.cumsum(-held[:, None] * slid, axis=0)])
+    # one constant for each contact brings the foot near to where it was; it changes from one to the next in the air
+    spans = runs(standing)
+    means = np.array([kept[a:b].mean(axis=0) for a, b in spans])
+    counts = np.array([b - a for a, b in spans], dtype=np.float64)
+    gaps = np.array([c - b + 1 for (_, b), (c, _) in zip(spans[:-1], spans[1:], strict=True)], dtype=np.float64) / fps
+    stiff = np.mean(counts) * (TOLERATED * 10.0 / np.sqrt(3.0) / (gaps**2 * GENTLE)) ** 2
+    places = -_tied(means, counts, stiff)
+    back = np.empty((frames, 2))
+    back[: spans[0][1]] = places[0]
+    for n, ((_, b), (c, d)) in enumerate(zip(spans[:-1], spans[1:], strict=True)):
+        t = blending.ease(np.arange(1, c - b + 1) / (c - b + 1))[:, None]
+        back[b:c] = places[n] + t * (places[n + 1] - places[n])
+        back[c:d] = places[n + 1]
+    back[spans[-1][1] :] = places[-1]
+    return kept + back
+
+
+def _tied(wanted: Array, weight: Array, stiff: Array) -> Array:
+    """x that minimises Σ weight (x − wanted)² + Σ stiff (x[n+1] − x[n])²: shape (n, 2)."""
+    from scipy.linalg import solveh_banded
+
+    if len(wanted) == 1:
+        return wanted
+    diagonal = weight.copy()
+    diagonal[:-1] += stiff
+    diagonal[1:] += stiff
+    bands = np.stack([np.concatenate([[0.0], -stiff]), diagonal])
+    return np.asarray(solveh_banded(bands, weight[:, None] * wanted))
+
+
+def _held(standing: Mask, reach: float) -> Array:
+    """1 while a foot bears, going to 0 smoothly over ``reach`` frames before and after."""
+    from scipy.ndimage import distance_transform_edt
+
+    if standing.all():
+        return np.ones(len(standing))
+    away = distance_transform_edt(~standing)
+    return 1.0 - blending.ease(np.asarray(away) / (reach + 1.0))
+
+
+def _raised(height: Array, standing: Mask, fps: float) -> Array:
+    """What a foot is raised by so that its sole is on the floor while it bears, and never below: (frames,)."""
+    lowest = height.min(axis=1)
+    held = _held(standing, LIFT * fps)
+    reach = max(1, round(0.04 * fps))
+    sunk = envelope(np.maximum(-lowest, 0.0) * (held <= 0.0), reach) if (lowest < 0.0).any() else np.zeros(len(lowest))
+    return np.maximum(-held * _calm(lowest, reach), 0.0) + np.minimum(-held * _calm(lowest, reach), 0.0) + (1.0 - held) * sunk
+
+
+def _calm(values: Array, reach: int) -> Array:
+    return values
+
+
+def _lowering(stage: Stage, positions: Array, hips: Array, targets: Array, standing: Mask, fps: float) -> Array:
+    """How far the pelvis gives way so that the legs reach, metres, shape (frames,)."""
+    legs = stage.legs
+    knees, ankles = positions[:, list(legs.tibias)], positions[:, list(legs.feet)]
+    length = np.linalg.norm(knees - hips, axis=-1) + np.linalg.norm(ankles - knees, axis=-1)
+    now = np.linalg.norm(ankles - hips, axis=-1)
+    most = np.minimum(np.maximum(now, inverse_kinematics.SOFT * length), inverse_kinematics.STRAIGHTEST * length)
+    away = targets - hips
+    flat = np.linalg.norm(away[..., [0, 2]], axis=-1)
+    down = -away[..., 1]
+    reachable = np.sqrt(np.maximum(most**2 - flat**2, 0.0))
+    need = np.maximum(down - reachable, 0.0)
+    held = np.stack([_held(standing[:, k], RELEASE * fps) for k in (0, 1)], axis=-1)
+    return envelope((need * held).max(axis=1), max(1, round(SINK * fps)))
+
+
+def _contact_list(stage: Stage, motion: Motion, standing: Mask) -> tuple[Contact, ...]:
+    places = stage.soles.place(motion.positions(), motion.global_rotations())
+    share = bearing(places[..., 1] - stage.levels)
+    under = np.einsum("fkp,fkpi->fki", share, places)[..., [0, 2]]
+    out = []
+    for k in (0, 1):
+        for a, b in runs(standing[:, k]):
+            x, z = under[a:b, k].mean(axis=0).tolist()
+            out.append(Contact(k, a, b, (x, z)))
+    return tuple(sorted(out, key=lambda c: (c.start, c.foot)))
+
+
+def _provenance(network: Network, laid: _Laid, weight: Array) -> Provenance:
+    repertoire = network.repertoire
+    frame = repertoire.frame_of(laid.moments)
+    return Provenance(
+        moment=laid.moments,
+        recording=repertoire.recording_of(frame),
+        source_frame=repertoire.source_frames[frame],
+        mirrored=repertoire.is_mirrored(laid.moments),
+        backwards=repertoire.is_backward(laid.moments),
+        step=laid.step,
+        path=laid.path,
+        transition=weight < 1.0,
+        weight=weight,
+    )
