@@ -1,0 +1,518 @@
+"""The Markov controller: which path comes next, decision by decision ([Schultz2012] §4.4, §4.4.1).
+
+At the end of each path the next is drawn from the row of P that belongs to it, Pᵢⱼ = E(j)·δᵢⱼ, where δ says which paths may
+follow (the network) and E how much each is wished for now (`kinesics.synthesis.goals`):
+
+    E(j) = exp(−β Σₖ wₖ [fₖ(αⱼ) − fₖ(t)]²)
+
+As corrected (CONVENTIONS.md): rows are normalised to sum 1, the largest exponent subtracted first. β = 0 is a stroll, every path
+that may follow as likely as any other; a large β always takes the best.
+
+Beyond the dissertation, and only if `lookahead` is not 0: the features of path j are those of the best composite that begins
+with it (`kinesics.synthesis.prospects`). The decision depends on path, place and heading now and on nothing before, so it stays
+Markov; only wishes that remember (Novelty) look back.
+
+Also beyond it: `bend`. The way of a path over the floor may be bent a little towards the goal, evenly with the metres walked, as
+if the floor had been turned under the feet; standing, nothing is turned. ``bend=0`` leaves every path as it was recorded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinesics.errors import InputError
+from kinesics.synthesis import ways
+from kinesics.synthesis.goals import Feature, Goal, OwnFeature, Pursuit, Situation, ToPlaces
+from kinesics.synthesis.prospects import Prospects, Trails, prospects, trails
+
+if TYPE_CHECKING:
+    from kinesics.synthesis.network import Network
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+BETA: Final = 30.0
+"""Default β: near a beeline, but of two ways as good either may be taken."""
+LOOKAHEAD: Final = 3.0
+"""Default seconds to look ahead."""
+BEND: Final = 5.0
+"""Default greatest bend, degrees a metre: some 3.5° a step of walking."""
+HOLD: Final = 0.2
+"""Seconds that a recording is kept before it is left again, where there is a choice."""
+LONGEST: Final = 24 * 3600.0
+"""Seconds; nothing longer is performed in one go."""
+
+
+class Step(NamedTuple):
+    """One decision: a path and how its way is bent."""
+
+    path: int
+    bend: float
+    """Radians a metre, positive to the left."""
+    place: complex
+    """z + i·x at its first frame, metres."""
+    heading: float
+    """At its first frame, radians."""
+
+
+class Frame(NamedTuple):
+    """One frame for a live avatar."""
+
+    moment: int
+    """What to show: see `kinesics.synthesis.repertoire`."""
+    position: tuple[float, float]
+    """Of the root on the ground: x, z in metres."""
+    heading: float
+    """Radians about +y."""
+    jump: bool
+    """Whether a recording is left for another place in this frame, so that a blend begins."""
+
+
+class Transition(NamedTuple):
+    """A row of P."""
+
+    paths: Indices
+    """The paths that may follow, shape (successors,)."""
+    probabilities: Array
+    """Of each, summing to 1, shape (successors,)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """What was decided, and the way over the floor that it makes: what rendering needs."""
+
+    paths: Indices
+    """Paths in the order played, shape (n,)."""
+    bends: Array
+    """Bend of each, radians a metre, shape (n,)."""
+    begins: Indices
+    """Frame at which each begins, shape (n,); the last may be cut short by the end."""
+    moments: Indices
+    """What each frame plays, shape (frames,)."""
+    ground: Array
+    """Root on the ground: x, z in metres, shape (frames, 2)."""
+    yaw: Array
+    """Heading, radians about +y, not wrapped, shape (frames,)."""
+    fps: float
+    attained: bool
+    """Whether every goal that can be attained was."""
+    outcome: tuple[str, ...]
+    """What came of each goal, in words."""
+
+    @property
+    def seconds(self) -> float:
+        """How long it lasts."""
+        return len(self.moments) / self.fps
+
+    @property
+    def length(self) -> float:
+        """Metres walked by the root."""
+        return float(np.hypot(*np.diff(self.ground, axis=0).T).sum()) if len(self.ground) > 1 else 0.0
+
+    @property
+    def repeats(self) -> int:
+        """How many plays are of a path that was played before."""
+        return len(self.paths) - len(np.unique(self.paths))
+
+    @property
+    def most_plays(self) -> int:
+        """How often the path played most was played."""
+        return int(np.bincount(self.paths).max()) if len(self.paths) else 0
+
+
+class Controller:
+    """Chooses paths one after the other, live.
+
+    Parameters
+    ----------
+    network : of paths, `kinesics.synthesis.network.network`.
+    goal : what is wished for: a goal of `kinesics.synthesis.goals`, a `Feature` of your own, or several together. None strolls.
+    beta : β ≥ 0, from a stroll (0) to always the best (infinite).
+    lookahead : seconds; 0 decides by single paths, as the dissertation does.
+    bend : greatest bend of the way, degrees a metre.
+    hold : seconds that a recording is kept before it is left again, where there is a choice.
+    seed : of everything drawn. The same network, goal and numbers give the same paths.
+    start : path to begin with; drawn if not given.
+    position, heading : x, z in metres and radians, of the root at the first frame.
+    stand : whether to go and stand still, where the network lets one, when the last target is reached.
+    prepared : from `kinesics.synthesis.prospects.prospects`, to share between controllers of one network; it then decides how far
+        is looked ahead.
+
+    Raises
+    ------
+    InputError
+        If a number is out of range, or a goal cannot be pursued on this network.
+
+    References
+    ----------
+    [Schultz2012] §4.4, §4.4.1.
+    """
+
+    def __init__(
+        self,
+        network: Network,
+        goal: Goal | Feature | Sequence[Goal | Feature] | None = None,
+        *,
+        beta: float = BETA,
+        lookahead: float = LOOKAHEAD,
+        bend: float = BEND,
+        hold: float = HOLD,
+        seed: int | np.random.Generator = 0,
+        start: int | None = None,
+        position: tuple[float, float] = (0.0, 0.0),
+        heading: float = 0.0,
+        stand: bool = True,
+        prepared: Prospects | None = None,
+    ) -> None:
+        if not beta >= 0.0:
+            raise InputError(f"Expected `beta` of 0 or more (infinite: always the best), got {beta}.")
+        if not (np.isfinite(bend) and 0.0 <= bend <= 90.0):
+            raise InputError(f"Expected `bend` in degrees a metre, from 0 to 90, got {bend}.")
+        place = np.asarray(position, dtype=np.float64)
+        if place.shape != (2,) or not np.isfinite(place).all() or not np.isfinite(heading):
+            raise InputError(
+                f"Expected `position` x, z and `heading` in finite numbers, got {position!r}, {heading!r}."
+            )
+        paths = len(network.first)
+        if start is not None and not 0 <= start < paths:
+            raise InputError(f"Expected `start` to be a path, 0 to {paths - 1}, got {start}.")
+        self.network = network
+        self.prospects = prospects(network, lookahead, hold=hold) if prepared is None else prepared
+        if len(self.prospects.start) != len(network.indices) + 1:
+            raise InputError("`prepared` was made for another network.")
+        self.beta = float(beta)
+        self._bend = float(np.radians(bend))
+        self._hold = float(hold)
+        self._rng = np.random.default_rng(seed)
+        self._start = start
+        self._stand = stand
+        self._trails: Trails = trails(network)
+        self._ends = self._trails.start + np.asarray(network.length, dtype=np.intp)
+        self._indptr = np.asarray(network.indptr).tolist()
+        self._rows = self.prospects.start.tolist()
+        self._moment = np.asarray(network.first).tolist()
+        self._fps = float(network.repertoire.fps)
+        self.now = Situation(
+            place=complex(place[1], place[0]),
+            heading=float(heading),
+            last_played=np.full(paths, -np.inf),
+            plays=np.zeros(paths, dtype=np.intp),
+        )
+        self._pursuits: list[Pursuit] = []
+        self._queue: list[int] = []
+        self._stopping: _Stop | None = None
+        self._braking = False
+        self._frames: Iterator[Frame] | None = None
+        self.pursue(goal)
+
+    def pursue(self, goal: Goal | Feature | Sequence[Goal | Feature] | None) -> None:
+        """Wish for something else from the next decision on. Raises InputError if it cannot be pursued here."""
+        goals: list[Goal | Feature] = (
+            [] if goal is None else list(goal) if isinstance(goal, (list, tuple)) else [goal]  # type: ignore[list-item]
+        )
+        pursuits = []
+        for one in goals:
+            if hasattr(one, "pursuit"):
+                pursuits.append(one.pursuit(self.network, self.prospects))
+            elif isinstance(one, Feature):
+                pursuits.append(OwnFeature(one).pursuit(self.network, self.prospects))
+            else:
+                raise InputError(
+                    f"Expected a goal (Target, Route, Favour, …) or a feature with `weight`, `values` and `wish`, got {one!r}."
+                )
+        self._pursuits, self._queue, self._braking = pursuits, [], False
+        if self._stand and self._stopping is None and any(isinstance(p, ToPlaces) for p in pursuits):
+            stop = _Stop(self.network, self._trails)
+            self._stopping = stop if stop.possible else None
+
+    @property
+    def can_stand(self) -> bool:
+        """Whether the network has a stance to end in."""
+        return bool(ways.stances(self.network).any())
+
+    @property
+    def attained(self) -> bool:
+        """Whether every goal that can be attained was; False if there is none such."""
+        ends = [p.done(self.now) for p in self._pursuits]
+        ends = [done for done in ends if done is not None]
+        return bool(ends) and all(ends)
+
+    @property
+    def finished(self) -> bool:
+        """Whether the goals are attained and the performer, if it is to stand, stands."""
+        if not self.attained or self._queue:
+            return False
+        return not self._braking or (self._stopping is not None and bool(self._stopping.still[self.now.path]))
+
+    def outcome(self) -> tuple[str, ...]:
+        """What came of each goal so far, in words."""
+        said = (p.outcome() for p in self._pursuits)
+        return tuple(words for words in said if words)
+
+    def transition(self) -> Transition:
+        """The row of P for the next decision."""
+        paths, probabilities, _, _ = self._row()
+        return Transition(paths, probabilities)
+
+    def step(self) -> Step:
+        """Decide for the next path, and be at its end."""
+        path, bend = self._decide()
+        return self._play(path, bend)
+
+    def frame(self) -> Frame:
+        """The next frame for a live avatar: decides whenever a path has been played to its end."""
+        if self._frames is None:
+            self._frames = self._live()
+        return next(self._frames)
+
+    def way(self, step: Step) -> tuple[NDArray[np.complex128], Array]:
+        """Places (z + i·x, metres) and headings (radians) of the frames of a path as played, and the entry into the next:
+        shapes (length + 1,).
+        """
+        part = slice(int(self._trails.start[step.path]), int(self._ends[step.path]) + 1)
+        places, headings = self._trails.places[part], self._trails.headings[part]
+        if step.bend != 0.0:
+            travelled = self._trails.travelled[part]
+            strides = np.diff(places) * np.exp(0.5j * step.bend * (travelled[1:] + travelled[:-1]))
+            places = np.concatenate([[0.0], np.cumsum(strides)])
+            headings = headings + step.bend * travelled
+        return step.place + places * np.exp(1j * step.heading), step.heading + headings
+
+    def _live(self) -> Iterator[Frame]:
+        while True:
+            before = self.now.path
+            step = self.step()
+            jump = before >= 0 and self._cost(before, step.path) > 0.0
+            places, headings = self.way(step)
+            first = int(self._moment[step.path])
+            moments = self.network.repertoire.advance(first, np.arange(len(places) - 1)).tolist()
+            for moment, place, heading in zip(moments, places.tolist(), headings.tolist(), strict=False):
+                yield Frame(moment, (place.imag, place.real), heading, jump)
+                jump = False
+
+    def _decide(self) -> tuple[int, float]:
+        now = self.now
+        for pursuit in self._pursuits if not self._queue else ():
+            plan = pursuit.plan(now)
+            if plan:
+                self._queue = plan
+        if self._queue:
+            return self._queue.pop(0), 0.0
+        if now.path < 0:
+            path = self._start if self._start is not None else int(self._rng.integers(len(self.network.first)))
+            return path, 0.0
+        stop = self._stopping
+        if stop is not None:
+            goal = self._last_target()
+            if goal is not None:
+                self._braking = self._braking or goal.done(now) or stop.ends_at(now, goal)
+                if self._braking:
+                    return stop.next(now.path, self._rng), 0.0
+        paths, probabilities, best, first_row = self._row()
+        chosen = int(np.searchsorted(np.cumsum(probabilities), self._rng.random() * (1.0 - 1e-12)))
+        chosen = min(chosen, len(paths) - 1)
+        bend = 0.0
+        if self._bend > 0.0:
+            row = first_row + int(best(chosen))
+            for pursuit in self._pursuits:
+                if pursuit.steers:
+                    bend = pursuit.bend(row, now, self._bend)
+                    break
+        return int(paths[chosen]), bend
+
+    def _last_target(self) -> ToPlaces | None:
+        for pursuit in self._pursuits:
+            if isinstance(pursuit, ToPlaces) and pursuit.last:
+                return pursuit
+        return None
+
+    def _row(self) -> tuple[Indices, Array, _Best, int]:
+        """Successors and their probabilities, how to find the best composite of one, and the first composite's row."""
+        now = self.now
+        if now.path < 0:
+            count = len(self.network.first)
+            every = np.arange(count)
+            if self._start is not None:
+                return every, (every == self._start).astype(np.float64), _Best(np.zeros(0), every), 0
+            return every, np.full(count, 1.0 / count), _Best(np.zeros(0), every), 0
+        low, high = self._indptr[now.path], self._indptr[now.path + 1]
+        first = self._rows[low]
+        rows = slice(first, self._rows[high])
+        miss = np.zeros(rows.stop - first)
+        for pursuit in self._pursuits:
+            miss += pursuit.miss(rows, now, self._bend if pursuit.steers else 0.0)
+        if now.since_jump < self._hold:
+            hasty = self.prospects.first_jump[rows] + now.since_jump < self._hold
+            if not hasty.all():
+                miss[hasty] = np.inf
+        groups = self.prospects.start[low:high] - first
+        least = np.minimum.reduceat(miss, groups)
+        least = least - least.min()
+        if np.isinf(self.beta):
+            weight = (least <= 0.0).astype(np.float64)
+        else:
+            with np.errstate(invalid="ignore"):
+                weight = np.exp(np.where(np.isinf(least), -np.inf, -self.beta * least))
+        return self.network.indices[low:high], weight / weight.sum(), _Best(miss, groups), first
+
+    def _play(self, path: int, bend: float) -> Step:
+        now = self.now
+        if now.path >= 0:
+            jump = self._cost(now.path, path) > 0.0
+            now.since_jump = 0.0 if jump else now.since_jump
+        step = Step(path, bend, now.place, now.heading)
+        places, headings = self.way(step)
+        times = now.time + np.arange(len(places)) / self._fps
+        for pursuit in self._pursuits:
+            pursuit.passed(places[:-1], times[:-1])
+        now.plays[path] += 1
+        now.last_played[path] = now.time
+        now.path = path
+        now.place, now.heading = complex(places[-1]), float(headings[-1])
+        lasted = (len(places) - 1) / self._fps
+        now.time += lasted
+        now.since_jump += lasted
+        for pursuit in self._pursuits:
+            pursuit.note(now)
+        return step
+
+    def _cost(self, before: int, path: int) -> float:
+        low, high = self._indptr[before], self._indptr[before + 1]
+        at = np.flatnonzero(self.network.indices[low:high] == path)
+        # a path may follow both as the recording goes on and by a transition: then it goes on
+        return float(self.network.cost[low + at].min()) if len(at) else 0.0
+
+
+class _Best:
+    """The best composite of each successor, looked up when asked."""
+
+    def __init__(self, miss: Array, groups: Indices) -> None:
+        self._miss, self._groups = miss, groups
+
+    def __call__(self, successor: int) -> int:
+        low = int(self._groups[successor])
+        high = int(self._groups[successor + 1]) if successor + 1 < len(self._groups) else len(self._miss)
+        return low + int(np.argmin(self._miss[low:high]))
+
+
+class _Stop:
+    """The quickest way from each path to a stance, and where it ends."""
+
+    def __init__(self, network: Network, ways_of_root: Trails) -> None:
+        self.still = ways.stances(network)
+        self.possible = bool(self.still.any())
+        if not self.possible:
+            return
+        self._network = network
+        seconds = ways.seconds_to(network, self.still)
+        self._after = ways.next_towards(network, self.still)
+        end = ways_of_root.start + np.asarray(network.length, dtype=np.intp)
+        displacement, turn = ways_of_root.places[end], ways_of_root.headings[end]
+        # where one comes to stand, seen from the beginning of each path: nearest paths first
+        self._rest = np.zeros(len(seconds), dtype=np.complex128)
+        for path in np.argsort(seconds, kind="stable").tolist():
+            if not self.still[path] and self._after[path] >= 0:
+                self._rest[path] = displacement[path] + np.exp(1j * turn[path]) * self._rest[self._after[path]]
+        self._seconds = seconds
+
+    def next(self, path: int, rng: np.random.Generator) -> int:
+        """The successor from which a stance is reached soonest; within the stance any that stays in it."""
+        may = self._network.indices[self._network.indptr[path] : self._network.indptr[path + 1]]
+        if self.still[path]:
+            may = may[self.still[may]]
+            return int(may[rng.integers(len(may))])
+        return int(may[np.argmin(self._seconds[may])])
+
+    def ends_at(self, now: Situation, goal: ToPlaces) -> bool:
+        """Whether stopping now ends at the goal."""
+        path = self.next(now.path, np.random.default_rng(0))
+        rest = now.place + np.exp(1j * now.heading) * self._rest[path]
+        return bool(abs(rest - goal.goal) <= goal.radius)
+
+
+def perform_paths(
+    network: Network,
+    goal: Goal | Feature | Sequence[Goal | Feature] | None = None,
+    seconds: float = 20.0,
+    seed: int | np.random.Generator = 0,
+    *,
+    finish: bool = False,
+    beta: float = BETA,
+    lookahead: float = LOOKAHEAD,
+    bend: float = BEND,
+    hold: float = HOLD,
+    start: int | None = None,
+    position: tuple[float, float] = (0.0, 0.0),
+    heading: float = 0.0,
+    stand: bool = True,
+    prepared: Prospects | None = None,
+) -> Course:
+    """Decide for a whole performance at once. Parameters as of `Controller`.
+
+    Parameters
+    ----------
+    seconds : how long, at most.
+    finish : whether to end when the goals are attained (and the performer stands, if it can), before the time is up.
+
+    Raises
+    ------
+    InputError
+        As `Controller`, and if `seconds` is not above 0.
+    """
+    if not (np.isfinite(seconds) and 0.0 < seconds <= LONGEST):
+        raise InputError(f"Expected `seconds` above 0 and at most {LONGEST:g}, got {seconds}.")
+    controller = Controller(
+        network,
+        goal,
+        beta=beta,
+        lookahead=lookahead,
+        bend=bend,
+        hold=hold,
+        seed=seed,
+        start=start,
+        position=position,
+        heading=heading,
+        stand=stand,
+        prepared=prepared,
+    )
+    fps = float(network.repertoire.fps)
+    most = max(1, round(seconds * fps))
+    steps: list[Step] = []
+    frames = 0
+    while frames < most and not (finish and steps and controller.finished):
+        step = controller.step()
+        steps.append(step)
+        frames += int(network.length[step.path])
+    return _course(controller, steps, most)
+
+
+def _course(controller: Controller, steps: Sequence[Step], most: int) -> Course:
+    network = controller.network
+    places: list[NDArray[np.complex128]] = []
+    headings: list[Array] = []
+    for step in steps:
+        way, facing = controller.way(step)
+        places.append(way[:-1])
+        headings.append(facing[:-1])
+    paths = np.array([s.path for s in steps], dtype=np.intp)
+    lengths = np.asarray(network.length, dtype=np.intp)[paths]
+    begins = np.concatenate([[0], np.cumsum(lengths)[:-1]]).astype(np.intp)
+    within = np.arange(int(lengths.sum())) - np.repeat(begins, lengths)
+    moments = network.repertoire.advance(np.repeat(np.asarray(network.first)[paths], lengths), within)
+    ground = np.concatenate(places)[:most]
+    return Course(
+        paths=paths,
+        bends=np.array([s.bend for s in steps]),
+        begins=begins,
+        moments=moments[:most],
+        ground=np.stack([ground.imag, ground.real], axis=1),
+        yaw=np.concatenate(headings)[:most],
+        fps=float(network.repertoire.fps),
+        attained=controller.attained,
+        outcome=controller.outcome(),
+    )

@@ -1,0 +1,366 @@
+"""What may come after each path: the paths that may follow it, or whole composites of them over the next seconds.
+
+The Markov controller of [Schultz2012] §4.4.1 weighs each path that may follow by what that path alone does. Walking towards
+something needs more: a step to the left is good because of the two steps that can follow it. So, as an extension beyond the
+dissertation, every path is given beforehand a bundle of *composites*, chains of paths over the next seconds that lie spread
+over all that can be reached. They are built once, by doubling (chains of one path, then chains followed by chains) and
+thinned by where they lead: one of those that end in the same cell of place, heading and time is kept. Looking ahead 0 seconds
+the composites are the single paths, and the controller is the dissertation's.
+
+On the ground a place is one complex number, z + i·x: a turn by an angle ψ (radians about +y, positive to the left) is then a
+product with e^{iψ}. Places and headings of a path or composite are relative to those at its first frame.
+
+References
+----------
+[Schultz2012] §4.4. Precomputed trees of clips: Lau and Kuffner 2006, *Precomputed search trees*.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinesics.errors import InputError
+
+if TYPE_CHECKING:
+    from kinesics.synthesis.network import Network
+
+Array = NDArray[np.float64]
+Floats = NDArray[np.float32]
+Places = NDArray[np.complex64]
+Indices = NDArray[np.intp]
+
+SAMPLE: Final = 0.25
+"""Seconds between the points of a composite's trail."""
+MOST_ROWS: Final = 200_000
+"""Composites of a network all together: about 300 bytes each."""
+FEWEST: Final = 32
+"""Composites that follow one path, if as many differ and the network is large."""
+MOST: Final = 192
+"""Composites that follow one path, if as many differ and the network is small."""
+BRANCHES: Final = 8
+"""Chains tried behind each chain when they are doubled."""
+CELL: Final = 0.3
+"""Metres; chains that end in the same cell, `SECTOR` and `BEAT` count as the same."""
+SECTOR: Final = np.pi / 8.0
+"""Radians."""
+BEAT: Final = 0.75
+"""Seconds."""
+NEVER: Final = 1e6
+"""Seconds to a jump that does not come."""
+
+
+class Trails(NamedTuple):
+    """Where the root goes within each path, frame by frame, relative to the path's first frame."""
+
+    start: Indices
+    """Of each path in the arrays below; it has ``length + 1`` points, at the last of which the next path begins: (paths,)."""
+    places: NDArray[np.complex128]
+    """z + i·x, metres, shape (points,)."""
+    headings: Array
+    """Radians, shape (points,)."""
+    travelled: Array
+    """Metres along the way, shape (points,)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Prospects:
+    """Composites that may follow each path. Those that begin with successor ``e`` of the network's list of successors are
+    rows ``start[e]:start[e + 1]``, so that what may follow path ``i`` lies together.
+    """
+
+    lookahead: float
+    """Seconds; 0 for single paths."""
+    start: Indices
+    """Shape (successors + 1,)."""
+    sequence: NDArray[np.int32]
+    """Paths of each composite, −1 after the last: shape (rows, longest)."""
+    times: Floats
+    """Of the trail's points, seconds from the composite's beginning: shape (1 or rows, points)."""
+    places: Places
+    """Points of the trail, shape (rows, points)."""
+    headings: Floats
+    """Radians turned by each point, shape (rows, points)."""
+    travelled: Floats
+    """Metres walked by each point, shape (rows, points)."""
+    swerve: Places
+    """How the points move if the way is bent by 1 radian a metre, to first order: shape (rows, points)."""
+    cost: Floats
+    """Of all its transitions together, that into its first path included: shape (rows,)."""
+    first_jump: Floats
+    """Seconds until it first leaves a recording, `NEVER` if it does not: shape (rows,)."""
+
+    @cached_property
+    def reach(self) -> float:
+        """Metres in a straight line: the most that can be made of one composite, from all but the fastest tenth of the paths."""
+        far = np.abs(self.places[:, -1])
+        return float(np.quantile(np.maximum.reduceat(far, self.start[:-1]), 0.9))
+
+    @cached_property
+    def spread(self) -> float:
+        """Metres: standard deviation of where composites end."""
+        return float(np.std(self.places[:, -1])) or 1.0
+
+
+def trails(network: Network) -> Trails:
+    """The way of the root within each path, from the recordings."""
+    repertoire = network.repertoire
+    length = np.asarray(network.length, dtype=np.intp)
+    start = np.concatenate([[0], np.cumsum(length + 1)[:-1]]).astype(np.intp)
+    path = np.repeat(np.arange(len(length)), length + 1)
+    frame = np.arange(len(path)) - start[path]
+    moments = repertoire.advance(network.first[path], frame)
+    roots = repertoire.roots_of(moments)
+    ground = roots[:, 2] + 1j * roots[:, 0]
+    yaw = repertoire.yaw_of(moments)
+    # a path may turn by more than half a turn: it is followed frame by frame
+    step = (np.diff(yaw, prepend=0.0) + np.pi) % (2.0 * np.pi) - np.pi
+    turned = np.cumsum(step)
+    places = (ground - ground[start][path]) * np.exp(-1j * yaw[start][path])
+    strides = np.abs(np.diff(places, prepend=0.0))
+    strides[start] = 0.0
+    walked = np.cumsum(strides)
+    return Trails(start, places, turned - turned[start][path], walked - walked[start][path])
+
+
+def prospects(network: Network, lookahead: float = 3.0, *, hold: float = 0.2, seed: int = 0) -> Prospects:
+    """Bundle what may follow each path of a network.
+
+    Parameters
+    ----------
+    lookahead : seconds that each composite lasts at least; 0 for single paths, as in [Schultz2012] §4.4.1.
+    hold : seconds that a recording is kept before the next jump, where there is a choice, so that one blend ends before
+        another begins.
+    seed : of the choice among composites that lead to the same place. The same network and seed give the same bundle.
+
+    Raises
+    ------
+    InputError
+        If a number of seconds is negative or not finite, or the network has no paths.
+    """
+    for name, value in (("lookahead", lookahead), ("hold", hold)):
+        if not (np.isfinite(value) and value >= 0.0):
+            raise InputError(f"Expected `{name}` in seconds, 0 or more, got {value}.")
+    if len(network.first) == 0 or len(network.indices) == 0:
+        raise InputError(
+            "The network has no path that another may follow, so nothing can be performed. Give more recordings, or a "
+            "larger `threshold` when it is made."
+        )
+    chains = _single(network)
+    sequence = chains.last.astype(np.int32)[:, None]
+    if lookahead > 0.0:
+        chains, sequence = _lengthened(chains, sequence, network, lookahead, hold, np.random.default_rng(seed))
+    return _sampled(chains, sequence, network, trails(network), lookahead)
+
+
+class _Chains(NamedTuple):
+    """Composites while they are being built; rows in the order of the network's successors."""
+
+    edge: Indices
+    size: Indices
+    last: Indices
+    place: NDArray[np.complex128]
+    heading: Array
+    duration: Array
+    cost: Array
+    first_jump: Array
+    since_jump: Array
+    haste: NDArray[np.int32]
+    """How many jumps come too soon after another."""
+
+    def taken(self, rows: Indices) -> _Chains:
+        return _Chains(*(column[rows] for column in self))  # type: ignore[arg-type]
+
+
+def _single(network: Network) -> _Chains:
+    path = np.asarray(network.indices, dtype=np.intp)
+    cost = np.asarray(network.cost, dtype=np.float64)
+    jumps = cost > 0.0
+    duration = np.asarray(network.duration, dtype=np.float64)[path]
+    displacement = np.asarray(network.displacement, dtype=np.float64)[path]
+    return _Chains(
+        edge=np.arange(len(path)),
+        size=np.ones(len(path), dtype=np.intp),
+        last=path,
+        place=displacement[:, 1] + 1j * displacement[:, 0],
+        heading=np.asarray(network.turn, dtype=np.float64)[path],
+        duration=duration,
+        cost=cost,
+        first_jump=np.where(jumps, 0.0, NEVER),
+        since_jump=np.where(jumps, duration, NEVER),
+        haste=np.zeros(len(path), dtype=np.int32),
+    )
+
+
+def _lengthened(
+    chains: _Chains,
+    sequence: NDArray[np.int32],
+    network: Network,
+    lookahead: float,
+    hold: float,
+    rng: np.random.Generator,
+) -> tuple[_Chains, NDArray[np.int32]]:
+    """Chains followed by chains, thinned, until all last long enough."""
+    successors = np.diff(network.indptr)
+    owner_of = np.repeat(np.arange(len(successors)), successors)
+    room = np.maximum(np.clip(MOST_ROWS // len(successors), FEWEST, MOST), successors)
+    while True:
+        owner = owner_of[chains.edge]
+        open_ = np.flatnonzero(chains.duration < lookahead)
+        if not len(open_):
+            return chains, sequence
+        # those that stay longest in their recording first: jump after jump leads nowhere
+        steady = np.lexsort((-chains.first_jump, owner))
+        begin = np.searchsorted(owner, np.arange(len(successors)))
+        number = np.bincount(owner, minlength=len(successors))
+        head = np.repeat(open_, BRANCHES)
+        strata = np.tile(np.arange(BRANCHES), len(open_)) + rng.random(len(head))
+        then = chains.last[head]
+        strata[::BRANCHES] = 0.0
+        tail = steady[begin[then] + ((strata / BRANCHES) ** 2 * number[then]).astype(np.intp)]
+        joined = _joined(chains, head, tail, hold)
+        done = chains.taken(np.flatnonzero(chains.duration >= lookahead))
+        source_head = np.concatenate([np.flatnonzero(chains.duration >= lookahead), head])
+        source_tail = np.concatenate([np.full(len(done.edge), -1), tail])
+        everything = _Chains(*(np.concatenate(both) for both in zip(done, joined, strict=True)))  # type: ignore[arg-type]
+        kept = _thinned(everything, owner_of, room, rng)
+        sequence = _strung(chains, sequence, source_head[kept], source_tail[kept])
+        chains = everything.taken(kept)
+
+
+def _joined(chains: _Chains, head: Indices, tail: Indices, hold: float) -> _Chains:
+    h, t = chains.taken(head), chains.taken(tail)
+    never_h, never_t = h.first_jump >= NEVER, t.first_jump >= NEVER
+    return _Chains(
+        edge=h.edge,
+        size=h.size + t.size,
+        last=t.last,
+        place=h.place + np.exp(1j * h.heading) * t.place,
+        heading=h.heading + t.heading,
+        duration=h.duration + t.duration,
+        cost=h.cost + t.cost,
+        first_jump=np.where(never_h, np.minimum(h.duration + t.first_jump, NEVER), h.first_jump),
+        since_jump=np.where(never_t, np.minimum(h.since_jump + t.duration, NEVER), t.since_jump),
+        haste=(h.haste + t.haste + (~never_h & ~never_t & (h.since_jump + t.first_jump < hold))).astype(np.int32),
+    )
+
+
+def _thinned(chains: _Chains, owner_of: Indices, room: Indices, rng: np.random.Generator) -> Indices:
+    """Rows to keep, in the order of the network's successors: one of a cell, each successor's best among them."""
+    owner = owner_of[chains.edge]
+    chance = rng.random(len(owner))
+    x, z = np.floor(chains.place.imag / CELL), np.floor(chains.place.real / CELL)
+    cell = ((x + 1000) * 2000 + z + 1000) * 1024
+    cell = cell + (np.floor(chains.heading / SECTOR) % 16) * 64 + np.minimum(chains.duration // BEAT, 63)
+    order = np.lexsort((chance, chains.haste, cell, owner))
+    fresh = np.ones(len(order), dtype=np.bool_)
+    fresh[1:] = (np.diff(owner[order]) != 0) | (np.diff(cell[order]) != 0)
+    candidates = np.zeros(len(order), dtype=np.bool_)
+    candidates[order[fresh]] = True
+    order = np.lexsort((chance, ~candidates, chains.haste, chains.edge))
+    fresh[1:] = np.diff(chains.edge[order]) != 0
+    must = np.zeros(len(order), dtype=np.bool_)
+    must[order[fresh]] = True
+    rows = np.flatnonzero(candidates | must)
+    # the fastest way out in each direction first: it is what one needs to get anywhere
+    bearing = np.floor(np.angle(chains.place[rows]) / SECTOR) * 16 + np.floor(chains.heading[rows] / SECTOR) % 16
+    pace = np.abs(chains.place[rows]) / chains.duration[rows]
+    order = np.lexsort((-pace, chains.haste[rows], bearing, owner[rows]))
+    fresh = np.ones(len(order), dtype=np.bool_)
+    fresh[1:] = (np.diff(owner[rows][order]) != 0) | (np.diff(bearing[order]) != 0)
+    outermost = np.zeros(len(order), dtype=np.bool_)
+    outermost[order[fresh]] = True
+    order = rows[np.lexsort((chance[rows], chains.haste[rows], ~outermost, ~must[rows], owner[rows]))]
+    place = np.arange(len(order)) - np.searchsorted(owner[order], owner[order])
+    kept = order[place < room[owner[order]]]
+    return kept[np.argsort(chains.edge[kept], kind="stable")]
+
+
+def _strung(chains: _Chains, sequence: NDArray[np.int32], head: Indices, tail: Indices) -> NDArray[np.int32]:
+    """The paths of chains followed by chains (−1: by none)."""
+    before = chains.size[head]
+    after = np.where(tail < 0, 0, chains.size[tail])
+    out = np.full((len(head), int((before + after).max())), -1, dtype=np.int32)
+    width = sequence.shape[1]
+    out[:, :width] = sequence[head]
+    for column in range(width):
+        rows = np.flatnonzero(column < after)
+        out[rows, before[rows] + column] = sequence[tail[rows], column]
+    return out
+
+
+def _sampled(
+    chains: _Chains, sequence: NDArray[np.int32], network: Network, ways: Trails, lookahead: float
+) -> Prospects:
+    """Trails at regular times (at the end, if nothing is looked ahead to)."""
+    rows = len(chains.edge)
+    edges = np.arange(len(network.indices) + 1)
+    start = np.searchsorted(chains.edge, edges).astype(np.intp)
+    if lookahead > 0.0:
+        times = SAMPLE * np.arange(1.0, max(1, round(lookahead / SAMPLE)) + 1.0)
+        places = np.zeros((rows, len(times)), dtype=np.complex128)
+        headings = np.zeros((rows, len(times)))
+        _follow(sequence, network, ways, times, places, headings)
+        strides = np.diff(places, axis=1, prepend=0.0)
+        lengths = np.abs(strides)
+        travelled = np.cumsum(lengths, axis=1)
+        swerve = np.cumsum(1j * (travelled - lengths / 2.0) * strides, axis=1)
+        clock = times[None]
+    else:
+        places, headings = chains.place[:, None], chains.heading[:, None]
+        clock = chains.duration[:, None]
+        path = chains.last
+        end = ways.start[path] + np.asarray(network.length, dtype=np.intp)[path]
+        travelled = ways.travelled[end][:, None]
+        # bent evenly over its length, a straight way turns by half the angle
+        swerve = 0.5j * travelled * places
+    return Prospects(
+        lookahead=float(lookahead),
+        start=start,
+        sequence=sequence,
+        times=clock.astype(np.float32),
+        places=places.astype(np.complex64),
+        headings=headings.astype(np.float32),
+        travelled=travelled.astype(np.float32),
+        swerve=swerve.astype(np.complex64),
+        cost=chains.cost.astype(np.float32),
+        first_jump=chains.first_jump.astype(np.float32),
+    )
+
+
+def _follow(
+    sequence: NDArray[np.int32],
+    network: Network,
+    ways: Trails,
+    times: Array,
+    places: NDArray[np.complex128],
+    headings: Array,
+) -> None:
+    """Fill in where each chain is at each of the times."""
+    fps = network.repertoire.fps
+    lengths = np.asarray(network.length, dtype=np.intp)
+    frames = np.round(times * fps).astype(np.intp)
+    at = np.zeros(len(sequence), dtype=np.complex128)
+    facing = np.zeros(len(sequence))
+    passed = np.zeros(len(sequence), dtype=np.intp)
+    live = np.arange(len(sequence))
+    for column in range(sequence.shape[1]):
+        live = live[(sequence[live, column] >= 0) & (passed[live] < frames[-1])]
+        if not len(live):
+            break
+        path = sequence[live, column]
+        until = passed[live] + lengths[path]
+        for k, frame in enumerate(frames):
+            here = (passed[live] < frame) & (frame <= until)
+            rows = live[here]
+            point = ways.start[path[here]] + frame - passed[rows]
+            places[rows, k] = at[rows] + np.exp(1j * facing[rows]) * ways.places[point]
+            headings[rows, k] = facing[rows] + ways.headings[point]
+        end = ways.start[path] + lengths[path]
+        at[live] += np.exp(1j * facing[live]) * ways.places[end]
+        facing[live] += ways.headings[end]
+        passed[live] = until
