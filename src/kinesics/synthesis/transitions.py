@@ -11,7 +11,7 @@ mirrored transitions, and those of reversed ones the reversed.
 
 **Which pairs.** Local minima of that distance in the (a, b) plane that are near enough, and of which neither differs too much in
 
-- the velocity of the pose: by no more than .85 of the faster one (two of equal speed: 50 degrees apart), or by a quarter of
+- the velocity of the pose: by no more than .85 of the faster one (two of equal speed: 50 degrees apart), or by half of
   the pace where both are slow;
 - the velocity of the root over the ground and its turning, seen from the heading, and its height: by no more than nine tenths
   of all moving moments change within the time of a blend, see `Limits`;
@@ -77,7 +77,7 @@ SEARCH_RATE: Final = 30.0
 """Moments a second that are compared all with all; the pairs found are refined at full rate."""
 DIRECTION: Final = 0.85
 """Difference of pose velocities that is accepted, as a share of the faster one."""
-SLOW: Final = 0.25
+SLOW: Final = 0.5
 """The same where both are slow, as a share of the pace."""
 CHANGE_QUANTILE: Final = 0.9
 FOOT: Final = 0.5
