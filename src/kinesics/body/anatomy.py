@@ -419,7 +419,7 @@ def _frames_beyond_links(
 
     A foot's frame is the world's while it stands flat, turned to where the toes point; where the clip does not show it
     standing, that of the rest pose. Every other joint goes on from its parent as at rest or, where the rest is no human pose,
-    as on the average of the clip.
+    along the axes that are nearest to the average of the clip.
     """
     frames = frames.copy()
     carriers = {
@@ -439,7 +439,9 @@ def _frames_beyond_links(
             onward = frames[roles.pelvis] if j in feet else frames[parent]
         else:
             local = quaternion.multiply(quaternion.conjugate(world[:, parent]), world[:, j])
-            onward = quaternion.multiply(quaternion.conjugate(quaternion.mean(local)), frames[parent])
+            # a rig built along axes has its fingers and twists along them, however the clip holds them on the average
+            rest = quaternion.from_matrix(_snapped(quaternion.as_matrix(quaternion.mean(local)), np.deg2rad(60.0)))
+            onward = quaternion.multiply(quaternion.conjugate(rest), frames[parent])
         if j in feet:
             flat = _flat_foot(skeleton, roles, feet[j], positions, world)
             if flat is not None and (not rests or quaternion.angle(flat, onward) < np.deg2rad(40.0)):

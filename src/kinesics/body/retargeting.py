@@ -33,6 +33,8 @@ _NECK: Final = slice(4, 6)
 _HEAD: Final = 6
 _LIMBS: Final = {"left": 7, "right": 11}
 """First of the four links of each side: femur, tibia, humerus, radius."""
+_SAME_DIRECTION: Final = 1e-3
+"""Radians: bones nearer than this are those of one rig, written with few digits."""
 _NEARLY_LOWEST: Final = 0.01
 """Metres within which points count as lowest together, so that the ground passes from one to the other smoothly."""
 
@@ -48,7 +50,7 @@ def t_pose(skeleton: Skeleton) -> Array:
         If the skeleton carries no anatomy and its rest pose alone does not tell: a skeleton whose rest is no human pose is
         understood from a recording (`kinesics.body.anatomy.understood`).
     """
-    body = _body_of(skeleton)
+    body = body_of(skeleton)
     return np.asarray(_local(skeleton, body, quaternion.identity((1, skeleton.joint_count)))[0])
 
 
@@ -82,7 +84,7 @@ def joint_rotations(skeleton: Skeleton, quaternions: ArrayLike, yaw: ArrayLike =
     heading = np.asarray(yaw, dtype=np.float64)
     if heading.shape not in ((), (len(links),)) or not np.isfinite(heading).all():
         raise InputError(f"Expected `yaw` to be finite, one for all or of shape ({len(links)},), got {heading.shape}.")
-    body = _body_of(skeleton)
+    body = body_of(skeleton)
     roles = body.roles
     about_up = quaternion.from_axis_angle([0.0, 1.0, 0.0], np.broadcast_to(heading, len(links)))
     known: dict[int, Array] = {}
@@ -155,9 +157,9 @@ def retarget(motion: Motion, skeleton: Skeleton) -> Motion:
     """The same movement by another body.
 
     Poses carry over exactly as far as both skeletons have the joints; the twist of forearms and shanks, collar bones, hands,
-    feet, toes and fingers come along by their role, their name or their place. The way of the root is scaled by the length
-    of the legs, and its height set so that the lowest point of the body is as high above the ground as it was. On the same
-    skeleton the motion is the same.
+    feet, toes and fingers come along by their role, their name or their place. Places are scaled about the world's origin by
+    the length of the legs, and the height of the root is set so that the lowest point of the body is where it was: feet
+    stand, jumps fly. On the same skeleton the motion is the same; on the same joints with other lengths the rotations are.
 
     Parameters
     ----------
@@ -175,18 +177,25 @@ def retarget(motion: Motion, skeleton: Skeleton) -> Motion:
         If one of the skeletons cannot be understood as a human body.
     """
     motion = _anatomy.understood(motion)
-    if motion.skeleton is skeleton or _same_body(motion.skeleton, skeleton):
+    if _same_body(motion.skeleton, skeleton):
         return motion
-    source = _body_of(motion.skeleton)
-    target = _body_of(skeleton)
+    source = body_of(motion.skeleton)
+    rig = _same_rig(motion.skeleton, skeleton, source)
+    target = source if rig and skeleton.anatomy is None else body_of(skeleton)
     skeleton = skeleton.replace(anatomy=target)
-    world = motion.global_rotations()
-    rotations = _local(skeleton, target, _oriented_like(motion.skeleton, source, world, skeleton, target))
+    if rig:
+        # the same joints in the same frames: their rotations mean the same
+        rotations = motion.rotations
+    else:
+        seen = motion.global_rotations()
+        rotations = _local(skeleton, target, _oriented_like(motion.skeleton, source, seen, skeleton, target))
     roots, scale = _travel(motion, source, skeleton, target, rotations)
-    said = [
-        f"brought onto the skeleton '{skeleton.name}'" if skeleton.name else "brought onto another skeleton",
-        f"its way over the ground scaled by {scale:.3f}, the length of the legs to those recorded",
-    ]
+    said = []
+    if not rig or scale != 1.0:
+        said = [
+            f"brought onto the skeleton '{skeleton.name}'" if skeleton.name else "brought onto another skeleton",
+            f"places scaled by {scale:.3f}, as its legs are to those recorded",
+        ]
     for what, here, there in (
         ("spine", source.roles.spine, target.roles.spine),
         ("neck", source.roles.neck, target.roles.neck),
@@ -208,8 +217,14 @@ def retarget(motion: Motion, skeleton: Skeleton) -> Motion:
     )
 
 
-def _body_of(skeleton: Skeleton) -> Anatomy:
-    """The anatomy a skeleton carries, else what its rest pose tells."""
+def body_of(skeleton: Skeleton) -> Anatomy:
+    """The anatomy a skeleton carries, else what its rest pose tells.
+
+    Raises
+    ------
+    SkeletonError
+        If it carries none and its rest pose is no human pose.
+    """
     if skeleton.anatomy is not None:
         return skeleton.anatomy
     at_rest = Motion(skeleton, quaternion.identity((1, skeleton.joint_count)), np.zeros((1, 3)), 1.0)
@@ -231,7 +246,28 @@ def _role(roles: Roles, side: str, part: str) -> int:
 
 
 def _same_body(a: Skeleton, b: Skeleton) -> bool:
-    return a.same_tree(b) and np.array_equal(a.offsets, b.offsets)
+    return a is b or (a.same_tree(b) and np.array_equal(a.offsets, b.offsets))
+
+
+def _below_pelvis(skeleton: Skeleton, body: Anatomy) -> list[int]:
+    return [j for j in range(skeleton.joint_count) if not _is_above(skeleton, j, body.pelvis)]
+
+
+def _same_rig(a: Skeleton, b: Skeleton, body: Anatomy) -> bool:
+    """Whether two skeletons have the same joints with bones in the same directions; where the pelvis hangs does not matter."""
+    if not a.same_tree(b):
+        return False
+    below = _below_pelvis(a, body)
+    first, second = a.offsets[below], b.offsets[below]
+    lengths = np.linalg.norm(first, axis=1) * np.linalg.norm(second, axis=1)
+    # by the cross product: the cosine of a small angle has lost its digits
+    off = np.linalg.norm(np.cross(first, second), axis=1)
+    there = lengths > 0.0
+    return bool(
+        np.all(off[there] <= _SAME_DIRECTION * lengths[there])
+        and np.all(np.sum(first * second, axis=1)[there] > 0.0)
+        and np.array_equal(first.any(axis=1), second.any(axis=1))
+    )
 
 
 def _follow(known: dict[int, Array], base: Array, chain: Sequence[int], steps: Sequence[Array]) -> Array:
@@ -361,11 +397,17 @@ def _travel(
     motion: Motion, source: Anatomy, skeleton: Skeleton, target: Anatomy, rotations: Array
 ) -> tuple[Array, float]:
     """Positions of the root of the new body, metres, shape (frames, 3), and the scale of its way."""
-    scale = leg_length(skeleton, target) / leg_length(motion.skeleton, source)
+    below = _below_pelvis(skeleton, target)
+    alike = skeleton.same_tree(motion.skeleton) and np.allclose(
+        skeleton.offsets[below], motion.skeleton.offsets[below], rtol=0.0, atol=1e-9
+    )
+    scale = 1.0 if alike else leg_length(skeleton, target) / leg_length(motion.skeleton, source)
     before = motion.positions()
     pelvis = before[:, source.pelvis] * scale
     draft = Motion(skeleton, rotations, np.zeros((motion.frame_count, 3)), motion.fps)
     draft = draft.replace(root_positions=pelvis - draft.positions()[:, target.pelvis])
+    if alike:
+        return np.asarray(draft.root_positions), scale
     # roughly right, so that the feet are seen to stand; then the lowest points are put where they were
     low, low_draft = _lowest(motion, draft, source, target)
     roots = draft.root_positions.copy()

@@ -17,9 +17,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinesics.body import anatomy as _anatomy
+from kinesics.body.contacts import floor_height, foot_contacts, grounded
 from kinesics.body.mirroring import mirror
 from kinesics.body.motion import Motion
 from kinesics.body.pose import PoseSequence, poses
+from kinesics.body.retargeting import body_of, retarget
 from kinesics.body.skeleton import Skeleton
 from kinesics.errors import InputError, SkeletonError
 
@@ -62,7 +64,7 @@ class Repertoire:
     rotations: Array
     """As recorded and mirrored, both on `skeleton`, relative to the parent joints: shape (2, frames, joints, 4)."""
     root_positions: Array
-    """As recorded and mirrored (x negated), metres, shape (2, frames, 3)."""
+    """As recorded and mirrored, metres, shape (2, frames, 3): the image has x negated, z the same and y as its feet stand."""
     poses: PoseSequence
     """The 15 links as recorded (strand 0); ``poses.mirror()`` are those of strand 1."""
     contacts: NDArray[np.bool_]
@@ -218,7 +220,7 @@ def repertoire(
     InputError
         If there is no motion, a motion has a single frame, or the frame rate is not positive.
     SkeletonError
-        If a skeleton cannot be understood as a human body; the message says which recording.
+        If a skeleton cannot be understood as a human body or has no feet; the message says which recording.
 
     References
     ----------
@@ -227,7 +229,7 @@ def repertoire(
     motions = [motions] if isinstance(motions, Motion) else list(motions)
     if not motions:
         raise InputError("Nothing can be performed without recordings: `motions` is empty. Give one or more.")
-    names = tuple(m.name or f"recording {k + 1}" for k, m in enumerate(motions))
+    names = _distinct([m.name or f"recording {k + 1}" for k, m in enumerate(motions)])
     for name, motion in zip(names, motions, strict=True):
         if motion.frame_count < 2:
             raise InputError(f"{name} is a single pose: nothing moves in it. Give recordings of two frames or more.")
@@ -235,31 +237,39 @@ def repertoire(
     if not (np.isfinite(rate) and rate > 0):
         raise InputError(f"Expected a frame rate above 0, got `fps` = {fps}.")
     understood = [_understood(m, name) for m, name in zip(motions, names, strict=True)]
-    body = understood[0].skeleton if skeleton is None else skeleton
     said = [f"performed at {rate:g} frames a second" + (f", the rate of {names[0]}" if fps is None else "")]
     if skeleton is None:
         said.append(f"performed on the skeleton of {names[0]}")
-    body = _rooted_in_the_pelvis(body)
+    body = _output_body(skeleton, understood)
     rotations: list[tuple[Array, Array]] = []
-    roots: list[Array] = []
+    roots: list[tuple[Array, Array]] = []
     contacts: list[NDArray[np.bool_]] = []
     sources: list[Array] = []
     for name, motion in zip(names, understood, strict=True):
-        out = _brought(motion.resample(rate), body, name)
-        image = _brought(mirror(out), body, name)
-        floor = _floor(out)
-        out = out.replace(root_positions=out.root_positions - [0.0, floor, 0.0])
+        if motion.fps != rate:
+            said.append(f"{name}: interpolated from {motion.fps:g} to {rate:g} frames a second")
+        try:
+            out, remarks = _brought(motion.resample(rate), body)
+            level = floor_height(out)
+            out = grounded(out)
+            feet = foot_contacts(out)
+            image, _ = _brought(mirror(out), body)
+        except SkeletonError as error:
+            raise SkeletonError(f"{name}: {error}", found=error.found, missing=error.missing) from error
+        said += [f"{name}: {remark}" for remark in (*remarks, f"its ground, found at {level:.3f} m, put to 0")]
         rotations.append((out.rotations, image.rotations))
-        roots.append(out.root_positions)
-        contacts.append(_contacts(out))
-        sources.append(np.arange(out.frame_count, dtype=np.float64) * (motion.fps / rate))
+        # the image may stand a little higher or lower, where left and right legs are of unlike length
+        place = out.root_positions * [-1.0, 1.0, 1.0]
+        place[:, 1] = image.root_positions[:, 1]
+        roots.append((out.root_positions, place))
+        contacts.append(feet)
+        sources.append(np.minimum(np.arange(out.frame_count) * (motion.fps / rate), float(motion.frame_count - 1)))
     together = np.stack([np.concatenate([pair[k] for pair in rotations]) for k in range(2)])
-    places = np.concatenate(roots)
-    places = np.stack([places, places * [-1.0, 1.0, 1.0]])
+    places = np.stack([np.concatenate([pair[k] for pair in roots]) for k in range(2)])
     stands = np.concatenate(contacts)
     whole = poses(Motion(body, together[0], places[0], rate))
     arrays = [
-        np.cumsum([0, *(len(r) for r in roots)]).astype(np.intp),
+        np.cumsum([0, *(len(feet) for feet in contacts)]).astype(np.intp),
         together,
         places,
         np.stack([stands, stands[:, ::-1]]),
@@ -291,8 +301,19 @@ def _understood(motion: Motion, name: str) -> Motion:
         raise SkeletonError(f"{name}: {error}", found=error.found, missing=error.missing) from error
 
 
-def _rooted_in_the_pelvis(skeleton: Skeleton) -> Skeleton:
-    """The skeleton with the joints above the pelvis (a rig's stand on the floor) drawn into it."""
+def _output_body(skeleton: Skeleton | None, motions: Sequence[Motion]) -> Skeleton:
+    """The skeleton to perform on, with its anatomy, and with the joints above the pelvis (a rig's stand) drawn into it."""
+    if skeleton is None:
+        skeleton = motions[0].skeleton
+    if skeleton.anatomy is None:
+        # a recording on the same joints tells more than the rest pose
+        like = next((m.skeleton for m in motions if m.skeleton.same_tree(skeleton)), None)
+        try:
+            skeleton = skeleton.replace(anatomy=body_of(skeleton if like is None else like))
+        except SkeletonError as error:
+            raise SkeletonError(
+                f"The skeleton to perform on: {error}", found=error.found, missing=error.missing
+            ) from error
     assert skeleton.anatomy is not None
     offsets = skeleton.offsets.copy()
     joint = skeleton.anatomy.pelvis
@@ -302,40 +323,24 @@ def _rooted_in_the_pelvis(skeleton: Skeleton) -> Skeleton:
     return skeleton if np.array_equal(offsets, skeleton.offsets) else skeleton.replace(offsets=offsets)
 
 
-def _brought(motion: Motion, skeleton: Skeleton, name: str) -> Motion:
+def _brought(motion: Motion, skeleton: Skeleton) -> tuple[Motion, tuple[str, ...]]:
+    """The motion on the skeleton, with nothing but rotations and a root in the pelvis; what was assumed for it."""
     assert skeleton.anatomy is not None
-    if not motion.skeleton.same_tree(skeleton):
-        raise InputError(f"{name} has another skeleton than the one to perform on.")
-    pelvis = motion.positions()[:, skeleton.anatomy.pelvis]
-    return Motion(skeleton, motion.rotations, pelvis, motion.fps, name=motion.name)
+    out = retarget(motion, skeleton)
+    if out.joint_translations is not None:
+        # the root joint lies in the pelvis
+        out = out.replace(root_positions=out.positions()[:, skeleton.anatomy.pelvis], joint_translations=None)
+    return out.replace(skeleton=skeleton), out.assumptions[len(motion.assumptions) :]
 
 
-def _soles(motion: Motion) -> Array:
-    """Height of the lowest of ankle and toes of each foot, metres, shape (frames, 2)."""
-    roles = _anatomy.resolve(motion).roles
-    height = motion.positions()[..., 1]
-    sides = [
-        [
-            j
-            for j in (getattr(roles, f"{s}_tibia"), getattr(roles, f"{s}_foot"), getattr(roles, f"{s}_toes"))
-            if j is not None
-        ]
-        for s in ("left", "right")
-    ]
-    return np.stack([height[:, joints].min(axis=1) for joints in sides], axis=1)
-
-
-def _floor(motion: Motion) -> float:
-    """Height of the ground: feet rest on it more than anywhere else."""
-    return float(np.percentile(_soles(motion).min(axis=1), 10.0))
-
-
-def _contacts(motion: Motion) -> NDArray[np.bool_]:
-    try:
-        from kinesics.body import contacts
-    except ImportError:
-        soles = _soles(motion)
-        speed = np.abs(np.gradient(soles, axis=0)) * motion.fps
-        return np.asarray((soles < 0.05) & (speed < 0.3))
-    found: NDArray[np.bool_] = contacts.foot_contacts(motion)
-    return found
+def _distinct(names: Sequence[str]) -> tuple[str, ...]:
+    """Names told apart: the second "walk" is "walk (2)"."""
+    out: list[str] = []
+    for name in names:
+        count = 1
+        candidate = name
+        while candidate in out:
+            count += 1
+            candidate = f"{name} ({count})"
+        out.append(candidate)
+    return tuple(out)
