@@ -340,8 +340,10 @@ def _limits(repertoire: Repertoire, threshold: float | None, weights: Array) -> 
     whole = early[early + lag + wide <= ends[early]]
 
     def change(values: Array, at: Indices, least: float) -> float:
-        apart = np.abs(values[at + lag] - values[at]).reshape(len(at), -1)
-        return max(least, float(np.quantile(np.linalg.norm(apart, axis=1), CHANGE_QUANTILE))) if len(at) else least
+        if not len(at):
+            return least
+        apart = (values[at + lag] - values[at]).reshape(len(at), -1)
+        return max(least, float(np.quantile(np.linalg.norm(apart, axis=1), CHANGE_QUANTILE)))
 
     return Limits(
         distance=allowed,
