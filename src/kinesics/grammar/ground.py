@@ -67,14 +67,18 @@ def judge_nearness(moments: Moments) -> Nearness:
     """
     n = moments.count
     sample = np.unique(np.linspace(0, n - 1, min(n, _SAMPLE)).round().astype(int))
-    rows: list[tuple[int, Floats, Floats]] = []
-    for first in range(0, len(sample), 64):
-        part = sample[first : first + 64]
-        rows += zip(part.tolist(), *moments.between(part, np.arange(n)), strict=True)
-    nearest: list[float] = []
-    spreads = [float(np.quantile(d, 0.75)) for _, d, _ in rows]
+    everything = np.arange(n)
+
+    def rows() -> Iterator[tuple[int, Floats, Floats]]:
+        # twice computed rather than kept: of an hour they would be half a gigabyte
+        for first in range(0, len(sample), 64):
+            part = sample[first : first + 64]
+            yield from zip(part.tolist(), *moments.between(part, everything), strict=True)
+
+    spreads = [float(np.quantile(d, 0.75)) for _, d, _ in rows()]
     spread = float(np.median(spreads)) or 1e-9
-    for t, d, s in rows:
+    nearest: list[float] = []
+    for t, d, s in rows():
         away = np.flatnonzero(d > 0.25 * spread)
         after, before = away[away > t][:1], away[away < t][-1:]
         best = np.inf

@@ -22,6 +22,7 @@ from kinesics.grammar.cyclic import Cyclic
 from kinesics.grammar.ground import Mark, Nearness
 from kinesics.grammar.moments import Moments
 from kinesics.progress import Progress, silent
+from kinesics.similarity import chord
 
 try:
     from kinesics import _native
@@ -98,22 +99,69 @@ class Reading:
 
 
 def _cluster(moments: Moments, marks: Sequence[Mark], radius: float) -> list[list[Mark]]:
-    """Marks that lie together under D or D*: complete linkage of √(2D)."""
-    from scipy.cluster.hierarchy import fcluster, linkage
-    from scipy.spatial.distance import squareform
+    """Marks that lie together under D or D*: complete linkage of √(2D).
 
-    index = np.array([m.moment for m in marks])
-    if len(index) == 1:
-        return [list(marks)]
-    d, s = moments.between(index, index)
-    chords = np.sqrt(2.0 * np.maximum(np.minimum(d, s), 0.0)).astype(np.float64)
-    chords = (chords + chords.T) / 2
-    np.fill_diagonal(chords, 0.0)
-    labels = fcluster(linkage(squareform(chords, checks=False), "complete"), np.sqrt(2.0 * radius), "distance")
+    Time and memory grow with the square of the marks. Of very many, those that lie closest together are taken as one first.
+    """
+    limit = float(np.sqrt(2.0 * radius))
+    index, place = np.unique([m.moment for m in marks], return_inverse=True)
+    reach = _CLOSEST * limit
+    while len(index) > _MOST_MARKS:
+        leader = _leaders(moments, index, reach)
+        kept, numbers = np.unique(leader, return_inverse=True)
+        index, place = index[kept], numbers[place]
+        reach *= 1.5
+    labels = _complete_linkage(moments, index, limit)[place]
     groups: dict[int, list[Mark]] = {}
     for mark, label in zip(marks, labels.tolist(), strict=True):
         groups.setdefault(label, []).append(mark)
     return sorted(groups.values(), key=lambda g: min(m.moment for m in g))
+
+
+def _chords(moments: Moments, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Array:
+    """√(2D) or √(2D*), whichever is less."""
+    return chord(np.minimum(*moments.between(rows, columns)))
+
+
+def _complete_linkage(moments: Moments, index: NDArray[np.intp], limit: float) -> NDArray[np.intp]:
+    """Number of the cluster of each moment: no two in a cluster are further apart than ``limit``."""
+    from scipy.cluster.hierarchy import fcluster, linkage
+
+    count = len(index)
+    if count == 1:
+        return np.zeros(1, dtype=np.intp)
+    condensed = np.empty(count * (count - 1) // 2)
+    step = max(1, _CELLS // count)
+    end = 0
+    for first in range(0, count, step):
+        part = _chords(moments, index[first : first + step], index[first:])
+        for k, row in enumerate(part):
+            condensed[end : end + len(row) - k - 1] = row[k + 1 :]
+            end += len(row) - k - 1
+    return np.asarray(fcluster(linkage(condensed, "complete"), limit, "distance"), dtype=np.intp)
+
+
+def _leaders(moments: Moments, index: NDArray[np.intp], reach: float) -> NDArray[np.intp]:
+    """For each moment the first one, itself perhaps, that leads and lies within ``reach``; who has none leads."""
+    out = np.full(len(index), -1, dtype=np.intp)
+    leading: list[int] = []
+    step = max(1, _CELLS // len(index))
+    for first in range(0, len(index), step):
+        part = index[first : first + step]
+        if leading:
+            apart = _chords(moments, part, index[leading])
+            nearest = apart.argmin(axis=1)
+            led = apart[np.arange(len(part)), nearest] <= reach
+            out[first : first + step][led] = np.array(leading)[nearest[led]]
+        alone = np.flatnonzero(out[first : first + step] < 0)
+        own = _chords(moments, part[alone], part[alone]) <= reach
+        own[np.diag_indices(len(alone))] = True
+        for k, row in zip(alone.tolist(), own, strict=True):
+            if out[first + k] < 0:
+                leading.append(first + k)
+                followers = alone[row]
+                out[first + followers[out[first + followers] < 0]] = first + k
+    return out
 
 
 def _state_of(moments: Moments, group: Sequence[Mark], near: Nearness) -> ReadState:
@@ -137,27 +185,23 @@ def _refined(moments: Moments, states: Sequence[ReadState], near: Nearness) -> l
     Ways join early and part late, so the marks lie to either side of the state.
     """
     reach = max(1, round(ground.PARTING_S * moments.fps))
+    everything = np.arange(moments.count)
     out = []
     for state in states:
         if state.traced:
             out.append(state)
             continue
         around = np.arange(max(0, state.moment - reach), min(moments.count, state.moment + reach + 1))
-        d, s = moments.between(np.arange(moments.count), around)
-        close = moments.between(np.array([state.moment]), around)[0][0] < near.state
+        close = around[moments.between(np.array([state.moment]), around)[0][0] < near.state]
         exact = max(near.same, 0.005 * near.spread)
         best = (0, -np.inf)
         moment = state.moment
-        for column in np.flatnonzero(close).tolist():
-            depths = [
-                ground.deepest(row[start:end])
-                for row in (d[:, column], s[:, column])
-                for start, end in _below(row, near.visit)
-            ]
+        for candidate, *rows in zip(close.tolist(), *moments.between(close, everything), strict=True):
+            depths = [ground.deepest(row[start:end]) for row in rows for start, end in _below(row, near.visit)]
             through = [x for x in depths if x < exact]
             score = (len(through), -float(np.mean(through)) if through else -np.inf)
             if score > best:
-                best, moment = score, int(around[column])
+                best, moment = score, candidate
         out.append(ReadState(moment, state.symmetric, False))
     return _distinct(moments, out, near)
 
@@ -278,6 +322,10 @@ def _visits(seen: _Seen, states: Sequence[ReadState]) -> list[Visit]:
 _POINTS: Final = 24
 _CELLS: Final = 4_000_000
 """Distances that are asked for at once."""
+_MOST_MARKS: Final = 6000
+"""Marks that are compared all with all: what ten minutes have."""
+_CLOSEST: Final = 0.25
+"""Of very many marks, those nearer than this share of what makes a state are one."""
 
 
 def _points(start: int, end: int) -> NDArray[np.intp]:
