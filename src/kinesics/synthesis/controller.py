@@ -9,8 +9,9 @@ As corrected (CONVENTIONS.md): rows are normalised to sum 1, the largest exponen
 that may follow as likely as any other; a large β always takes the best.
 
 Beyond the dissertation, and only if `lookahead` is not 0: the features of path j are those of the best composite that begins
-with it (`kinesics.synthesis.prospects`). The decision depends on path, place and heading now and on nothing before, so it stays
-Markov; only wishes that remember (Novelty) look back.
+with it (`kinesics.synthesis.prospects`). The rest of the composite whose beginning was just played competes with
+those of the bundle, lest a turn be put off for ever. So the decision depends on path, place, heading and that plan and on nothing
+before: still Markov, in a larger state. Only wishes that remember (Novelty) look back. With ``lookahead=0`` there is no plan.
 
 Also beyond it: `bend`. The way of a path over the floor may be bent a little towards the goal, evenly with the metres walked, as
 if the floor had been turned under the feet; standing, nothing is turned. ``bend=0`` leaves every path as it was recorded.
@@ -20,15 +21,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.errors import InputError
 from kinesics.synthesis import ways
-from kinesics.synthesis.goals import Feature, Goal, OwnFeature, Pursuit, Situation, ToPlaces
-from kinesics.synthesis.prospects import Prospects, Trails, prospects, trails
+from kinesics.synthesis.goals import Feature, Goal, OwnFeature, Pursuit, Situation, ToPlaces, TrailPursuit
+from kinesics.synthesis.prospects import LOOKAHEAD, Prospects, Trail, Trails, prospects, trails
 
 if TYPE_CHECKING:
     from kinesics.synthesis.network import Network
@@ -36,10 +37,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-BETA: Final = 30.0
+BETA: Final = 100.0
 """Default β: near a beeline, but of two ways as good either may be taken."""
-LOOKAHEAD: Final = 3.0
-"""Default seconds to look ahead."""
 BEND: Final = 5.0
 """Default greatest bend, degrees a metre: some 3.5° a step of walking."""
 HOLD: Final = 0.2
@@ -195,6 +194,15 @@ class Controller:
         self._ends = self._trails.start + np.asarray(network.length, dtype=np.intp)
         self._indptr = np.asarray(network.indptr).tolist()
         self._rows = self.prospects.start.tolist()
+        self._displacement = self._trails.places[self._ends].tolist()
+        self._turn = self._trails.headings[self._ends].tolist()
+        self._walked = self._trails.travelled[self._ends].tolist()
+        self._duration = np.asarray(network.duration, dtype=np.float64).tolist()
+        # the path with which each one's recording goes on
+        free = np.flatnonzero(np.asarray(network.cost) == 0.0)
+        goes_on = np.full(paths, -1, dtype=np.intp)
+        goes_on[np.searchsorted(network.indptr, free, side="right") - 1] = network.indices[free]
+        self._goes_on = goes_on.tolist()
         self._moment = np.asarray(network.first).tolist()
         self._fps = float(network.repertoire.fps)
         self.now = Situation(
@@ -207,6 +215,7 @@ class Controller:
         self._queue: list[int] = []
         self._stopping: _Stop | None = None
         self._braking = False
+        self._intention: _Composite | None = None
         self._frames: Iterator[Frame] | None = None
         self.pursue(goal)
 
@@ -225,7 +234,7 @@ class Controller:
                 raise InputError(
                     f"Expected a goal (Target, Route, Favour, …) or a feature with `weight`, `values` and `wish`, got {one!r}."
                 )
-        self._pursuits, self._queue, self._braking = pursuits, [], False
+        self._pursuits, self._queue, self._braking, self._intention = pursuits, [], False, None
         if self._stand and self._stopping is None and any(isinstance(p, ToPlaces) for p in pursuits):
             stop = _Stop(self.network, self._trails)
             self._stopping = stop if stop.possible else None
@@ -256,8 +265,12 @@ class Controller:
 
     def transition(self) -> Transition:
         """The row of P for the next decision."""
-        paths, probabilities, _, _ = self._row()
-        return Transition(paths, probabilities)
+        if self.now.path < 0:
+            every = np.arange(len(self.network.first))
+            fixed = (every == self._start).astype(np.float64)
+            return Transition(every, np.full(len(every), 1.0 / len(every)) if self._start is None else fixed)
+        row = self._row()
+        return Transition(row.paths, row.probabilities)
 
     def step(self) -> Step:
         """Decide for the next path, and be at its end."""
@@ -287,7 +300,7 @@ class Controller:
         while True:
             before = self.now.path
             step = self.step()
-            jump = before >= 0 and self._cost(before, step.path) > 0.0
+            jump = before >= 0 and self._goes_on[before] != step.path
             places, headings = self.way(step)
             first = int(self._moment[step.path])
             moments = self.network.repertoire.advance(first, np.arange(len(places) - 1)).tolist()
@@ -313,17 +326,18 @@ class Controller:
                 self._braking = self._braking or goal.done(now) or stop.ends_at(now, goal)
                 if self._braking:
                     return stop.next(now.path, self._rng), 0.0
-        paths, probabilities, best, first_row = self._row()
-        chosen = int(np.searchsorted(np.cumsum(probabilities), self._rng.random() * (1.0 - 1e-12)))
-        chosen = min(chosen, len(paths) - 1)
+        row = self._row()
+        chosen = int(np.searchsorted(np.cumsum(row.probabilities), self._rng.random() * (1.0 - 1e-12)))
+        chosen = min(chosen, len(row.paths) - 1)
+        composite = row.best(chosen)
         bend = 0.0
         if self._bend > 0.0:
-            row = first_row + int(best(chosen))
             for pursuit in self._pursuits:
-                if pursuit.steers:
-                    bend = pursuit.bend(row, now, self._bend)
+                if isinstance(pursuit, TrailPursuit) and pursuit.steers:
+                    bend = pursuit.bend(composite.trail, now, self._bend)
                     break
-        return int(paths[chosen]), bend
+        self._intention = self._after(composite)
+        return int(row.paths[chosen]), bend
 
     def _last_target(self) -> ToPlaces | None:
         for pursuit in self._pursuits:
@@ -331,40 +345,137 @@ class Controller:
                 return pursuit
         return None
 
-    def _row(self) -> tuple[Indices, Array, _Best, int]:
-        """Successors and their probabilities, how to find the best composite of one, and the first composite's row."""
+    def _row(self) -> _Row:
         now = self.now
-        if now.path < 0:
-            count = len(self.network.first)
-            every = np.arange(count)
-            if self._start is not None:
-                return every, (every == self._start).astype(np.float64), _Best(np.zeros(0), every), 0
-            return every, np.full(count, 1.0 / count), _Best(np.zeros(0), every), 0
         low, high = self._indptr[now.path], self._indptr[now.path + 1]
         first = self._rows[low]
         rows = slice(first, self._rows[high])
-        miss = np.zeros(rows.stop - first)
-        for pursuit in self._pursuits:
-            miss += pursuit.miss(rows, now, self._bend if pursuit.steers else 0.0)
+        miss, other = self._misses(rows)
         if now.since_jump < self._hold:
             hasty = self.prospects.first_jump[rows] + now.since_jump < self._hold
             if not hasty.all():
                 miss[hasty] = np.inf
         groups = self.prospects.start[low:high] - first
         least = np.minimum.reduceat(miss, groups)
-        least = least - least.min()
+        paths = self.network.indices[low:high]
+        planned = None if self._intention is None else self._continued(self._intention)
+        if planned is not None:
+            least = np.where(paths == planned.paths[0], np.minimum(least, planned.miss), least)
+        above = least - least.min()
         if np.isinf(self.beta):
-            weight = (least <= 0.0).astype(np.float64)
+            weight = (above <= 0.0).astype(np.float64)
         else:
-            with np.errstate(invalid="ignore"):
-                weight = np.exp(np.where(np.isinf(least), -np.inf, -self.beta * least))
-        return self.network.indices[low:high], weight / weight.sum(), _Best(miss, groups), first
+            weight = (
+                np.exp(-self.beta * np.where(np.isinf(above), np.inf, above)) if self.beta else np.isfinite(above) * 1.0
+            )
+        return _Row(paths, weight / weight.sum(), miss, other, groups, first, planned, self.prospects)
+
+    def _misses(self, rows: slice) -> tuple[Array, Array]:
+        """Of all goals together, and of those alone that do not judge by trails: shapes (rows,)."""
+        other = np.zeros(rows.stop - rows.start)
+        miss = np.zeros(rows.stop - rows.start)
+        for pursuit in self._pursuits:
+            if isinstance(pursuit, TrailPursuit):
+                miss += pursuit.miss(rows, self.now, self._bend if pursuit.steers else 0.0)
+            else:
+                other += pursuit.miss(rows, self.now, 0.0)
+        return miss + other, other
+
+    def _continued(self, intention: _Composite) -> _Composite | None:
+        """What was intended, followed by the best of what may come after it.
+
+        The bundle of the last path need not hold the rest of the composite whose beginning was played; forgetting it, one would
+        for ever be about to turn round.
+        """
+        place, heading, travelled, lasted, since_jump = 0j, 0.0, 0.0, 0.0, self.now.since_jump
+        before = self.now.path
+        for path in intention.paths:
+            if self._goes_on[before] != path:
+                since_jump = 0.0
+            place += np.exp(1j * heading) * self._displacement[path]
+            heading += self._turn[path]
+            travelled += self._walked[path]
+            lasted += self._duration[path]
+            since_jump += self._duration[path]
+            before = path
+        low, high = self._indptr[before], self._indptr[before + 1]
+        rows = slice(self._rows[low], self._rows[high])
+        then = self.prospects.along(rows)
+        points = int(np.searchsorted(then.times[0], self.prospects.lookahead - lasted + 1e-4, side="right"))
+        head, count = intention.trail, rows.stop - rows.start
+        if points == 0:
+            if not head.places.shape[1]:
+                return None
+            value = self._weighed(head)[0] + intention.other
+            return _Composite(intention.paths, head, float(value), intention.other)
+        turn = np.exp(1j * heading)
+        swerve = self._swerve_at(intention.paths)
+        trail = Trail(
+            np.concatenate([head.times, then.times[:, :points] + np.float32(lasted)], axis=1),
+            _beside(head.places, place + turn * then.places[:, :points], count),
+            _beside(head.headings, heading + then.headings[:, :points], count),
+            _beside(head.travelled, travelled + then.travelled[:, :points], count),
+            _beside(
+                head.swerve,
+                swerve + turn * (then.swerve[:, :points] + 1j * travelled * then.places[:, :points]),
+                count,
+            ),
+        )
+        miss = self._weighed(trail)
+        hasty = self.prospects.first_jump[rows] + since_jump < self._hold
+        if not hasty.all():
+            miss[hasty] = np.inf
+        best = int(np.argmin(miss))
+        sequence = self.prospects.sequence[rows.start + best].tolist()
+        paths = list(intention.paths)
+        for path in sequence:
+            if path < 0 or lasted >= self.prospects.lookahead:
+                break
+            paths.append(path)
+            lasted += self._duration[path]
+        chosen = Trail(trail.times, *(values[best : best + 1] for values in trail[1:]))  # type: ignore[arg-type]
+        return _Composite(tuple(paths), chosen, float(miss[best]) + intention.other, intention.other)
+
+    def _weighed(self, trail: Trail) -> Array:
+        miss = np.zeros(len(trail.places))
+        for pursuit in self._pursuits:
+            if isinstance(pursuit, TrailPursuit):
+                miss += pursuit.weigh(trail, self.now, self._bend if pursuit.steers else 0.0)
+        return miss
+
+    def _swerve_at(self, paths: Sequence[int]) -> complex:
+        """How the end of a chain of paths moves if it is bent."""
+        swerve, heading, travelled = 0j, 0.0, 0.0
+        for path in paths:
+            step = np.exp(1j * heading) * self._displacement[path]
+            swerve += 1j * (travelled + self._walked[path] / 2.0) * step
+            heading += self._turn[path]
+            travelled += self._walked[path]
+        return complex(swerve)
+
+    def _after(self, composite: _Composite) -> _Composite | None:
+        """What is left of a composite when its first path has been played."""
+        if len(composite.paths) < 2 or not any(isinstance(p, TrailPursuit) for p in self._pursuits):
+            return None
+        path, trail = composite.paths[0], composite.trail
+        left = trail.times[0] > self._duration[path] + 1e-4
+        places = (trail.places[:, left] - self._displacement[path]) * np.exp(-1j * self._turn[path])
+        strides = np.diff(places, axis=1, prepend=np.complex64(0.0))
+        travelled = np.maximum(trail.travelled[:, left] - np.float32(self._walked[path]), np.float32(0.0))
+        swerve = np.cumsum(1j * (travelled - np.abs(strides) / 2.0) * strides, axis=1)
+        rest = Trail(
+            trail.times[:, left] - np.float32(self._duration[path]),
+            places.astype(np.complex64),
+            trail.headings[:, left] - np.float32(self._turn[path]),
+            travelled,
+            swerve.astype(np.complex64),
+        )
+        return _Composite(composite.paths[1:], rest, composite.miss, composite.other)
 
     def _play(self, path: int, bend: float) -> Step:
         now = self.now
-        if now.path >= 0:
-            jump = self._cost(now.path, path) > 0.0
-            now.since_jump = 0.0 if jump else now.since_jump
+        if now.path >= 0 and self._goes_on[now.path] != path:
+            now.since_jump = 0.0
         step = Step(path, bend, now.place, now.heading)
         places, headings = self.way(step)
         times = now.time + np.arange(len(places)) / self._fps
@@ -381,23 +492,47 @@ class Controller:
             pursuit.note(now)
         return step
 
-    def _cost(self, before: int, path: int) -> float:
-        low, high = self._indptr[before], self._indptr[before + 1]
-        at = np.flatnonzero(self.network.indices[low:high] == path)
-        # a path may follow both as the recording goes on and by a transition: then it goes on
-        return float(self.network.cost[low + at].min()) if len(at) else 0.0
+
+class _Composite(NamedTuple):
+    """Paths to be played one after the other, and where they lead from here, unbent."""
+
+    paths: tuple[int, ...]
+    trail: Trail
+    """Of one row."""
+    miss: float
+    other: float
+    """The part of `miss` that does not depend on the trail."""
 
 
-class _Best:
-    """The best composite of each successor, looked up when asked."""
+class _Row(NamedTuple):
+    """A row of P, and the composites that stand behind it."""
 
-    def __init__(self, miss: Array, groups: Indices) -> None:
-        self._miss, self._groups = miss, groups
+    paths: Indices
+    probabilities: Array
+    miss: Array
+    other: Array
+    groups: Indices
+    first: int
+    planned: _Composite | None
+    prospects: Prospects
 
-    def __call__(self, successor: int) -> int:
-        low = int(self._groups[successor])
-        high = int(self._groups[successor + 1]) if successor + 1 < len(self._groups) else len(self._miss)
-        return low + int(np.argmin(self._miss[low:high]))
+    def best(self, successor: int) -> _Composite:
+        """The best composite that begins with a successor."""
+        low = int(self.groups[successor])
+        high = int(self.groups[successor + 1]) if successor + 1 < len(self.groups) else len(self.miss)
+        index = low + int(np.argmin(self.miss[low:high]))
+        miss = float(self.miss[index])
+        if self.planned is not None and self.planned.paths[0] == self.paths[successor] and self.planned.miss < miss:
+            return self.planned
+        row = self.first + index
+        sequence = self.prospects.sequence[row]
+        paths = tuple(sequence[sequence >= 0].tolist())
+        return _Composite(paths, self.prospects.along(slice(row, row + 1)), miss, float(self.other[index]))
+
+
+def _beside(head: NDArray[Any], then: NDArray[Any], rows: int) -> NDArray[Any]:
+    """The points of one trail before those of many."""
+    return np.concatenate([np.broadcast_to(head, (rows, head.shape[1])), then.astype(head.dtype)], axis=1)
 
 
 class _Stop:

@@ -27,12 +27,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from kinesics.errors import InputError
 from kinesics.synthesis import ways
-from kinesics.synthesis.prospects import Prospects
+from kinesics.synthesis.prospects import Prospects, Trail
 
 if TYPE_CHECKING:
     from kinesics.synthesis.network import Network
 
 Array = NDArray[np.float64]
+Floats = NDArray[np.float32]
 Mask = NDArray[np.bool_]
 Indices = NDArray[np.intp]
 Complexes = NDArray[np.complexfloating]
@@ -96,19 +97,12 @@ class Feature(Protocol):
 class Pursuit:
     """A goal being pursued on one network: built by ``goal.pursuit(...)``, asked at every decision."""
 
-    steers = False
-    """Whether it can say how the way should be bent."""
-
     def miss(self, rows: slice, now: Situation, bend: float) -> Array:
         """Weighted square of how far each composite of ``rows`` is from the wish, in spreads: shape (rows,).
 
         ``bend`` is the greatest bend of the way in radians a metre that the controller may add (0: none).
         """
         raise NotImplementedError
-
-    def bend(self, row: int, now: Situation, most: float) -> float:
-        """The bend, radians a metre in [−most, most], that brings composite ``row`` nearest to the wish."""
-        return 0.0
 
     def passed(self, places: NDArray[np.complex128], times: Array) -> None:
         """Look along the way that is about to be walked: places (z + i·x) frame by frame and their times."""
@@ -127,6 +121,30 @@ class Pursuit:
     def outcome(self) -> str | None:
         """What came of it, in words."""
         return None
+
+
+class TrailPursuit(Pursuit):
+    """A pursuit that judges composites by where they lead."""
+
+    steers = True
+    """Whether it can say how the way should be bent."""
+
+    def __init__(self, prospects: Prospects) -> None:
+        self._all = prospects
+        self._reach = prospects.reach
+        self._pace = prospects.reach / prospects.lookahead if prospects.lookahead else 0.0
+
+    def miss(self, rows: slice, now: Situation, bend: float) -> Array:
+        """See `Pursuit`."""
+        return self.weigh(self._all.along(rows), now, bend)
+
+    def weigh(self, trail: Trail, now: Situation, bend: float) -> Array:
+        """As `miss`, of trails of whatever origin: shape (rows,)."""
+        raise NotImplementedError
+
+    def bend(self, trail: Trail, now: Situation, most: float) -> float:
+        """The bend, radians a metre in [−most, most], that brings a trail of one row nearest to the wish."""
+        return 0.0
 
 
 class Goal(Protocol):
@@ -230,50 +248,43 @@ class MovingTarget:
         return _AfterIt(prospects, self)
 
 
-class _Seeking(Pursuit):
+class _Seeking(TrailPursuit):
     """Trails that pass where the wish is: at the right time, or at the end if nothing is looked ahead to."""
 
-    steers = True
-
     def __init__(self, prospects: Prospects, radius: float, weight: float) -> None:
-        self._all = prospects
+        super().__init__(prospects)
         self._radius = radius
         self._scale = weight / prospects.spread**2
-        self._reach = prospects.reach
-        self._pace = prospects.reach / prospects.lookahead if prospects.lookahead else 0.0
 
-    def _wish(self, now: Situation) -> complex | NDArray[np.complex128]:
+    def _wish(self, now: Situation, times: Floats) -> complex | NDArray[np.complex128]:
         """Displacement wished for, in the world; one, or one for each point of the trail."""
         raise NotImplementedError
 
-    def _misses(self, rows: slice, now: Situation, most: float) -> tuple[Array, Complexes, Complexes]:
-        """Squared metres at every point of the trail, the gaps before bending, and the swerve."""
+    def _misses(self, trail: Trail, now: Situation, most: float) -> tuple[Array, Complexes]:
+        """Squared metres at every point of the trails, and the gaps before bending."""
         from_heading = np.exp(-1j * now.heading)
-        wish = np.atleast_1d(np.asarray(self._wish(now) * from_heading))
+        wish = np.atleast_1d(np.asarray(self._wish(now, trail.times[0]) * from_heading))
         far = np.abs(wish)
         if far.max() > self._reach:
             wish = wish * np.minimum(1.0, self._reach / np.maximum(far, 1e-9))
-        gap = self._all.places[rows] - wish.astype(np.complex64)
-        swerve = self._all.swerve[rows]
+        gap = trail.places - wish.astype(np.complex64)
         miss = gap.real**2 + gap.imag**2
         if most > 0.0:
-            bend = _best_bend(gap, swerve, most)
-            bent = gap + bend * swerve
+            bent = gap + _best_bend(gap, trail.swerve, most) * trail.swerve
             miss = bent.real**2 + bent.imag**2
         if self._pace:
-            times = self._all.times if len(self._all.times) == 1 else self._all.times[rows]
             due = np.minimum(far, self._reach) / self._pace
-            miss = miss + (HASTE * self._pace * (times - due)) ** 2
-        return np.asarray(miss, dtype=np.float64), gap, swerve
+            miss = miss + (HASTE * self._pace * (trail.times - due)) ** 2
+        return np.asarray(miss, dtype=np.float64), gap
 
-    def miss(self, rows: slice, now: Situation, bend: float) -> Array:
-        miss = self._misses(rows, now, bend)[0].min(axis=1)
-        return np.asarray(self._scale * miss, dtype=np.float64)
+    def weigh(self, trail: Trail, now: Situation, bend: float) -> Array:
+        """See `TrailPursuit`."""
+        return np.asarray(self._scale * self._misses(trail, now, bend)[0].min(axis=1), dtype=np.float64)
 
-    def bend(self, row: int, now: Situation, most: float) -> float:
-        miss, gap, swerve = self._misses(slice(row, row + 1), now, most)
-        point = int(np.argmin(miss))
-        return float(_best_bend(gap, swerve, most)[0, point])
+    def bend(self, trail: Trail, now: Situation, most: float) -> float:
+        """See `TrailPursuit`."""
+        miss, gap = self._misses(trail, now, most)
+        return float(_best_bend(gap, trail.swerve, most)[0, int(np.argmin(miss))])
 
 
 class ToPlaces(_Seeking):
@@ -301,7 +312,7 @@ class ToPlaces(_Seeking):
         """How near counts as there, metres."""
         return self._radius
 
-    def _wish(self, now: Situation) -> complex:
+    def _wish(self, now: Situation, times: Floats) -> complex:
         return self.goal - now.place
 
     def passed(self, places: NDArray[np.complex128], times: Array) -> None:
@@ -337,9 +348,9 @@ class _AfterIt(_Seeking):
         self._target = target
         self._gaps: list[float] = []
 
-    def _wish(self, now: Situation) -> NDArray[np.complex128]:
-        times = self._all.times[0] if self._all.lookahead else np.zeros(1)
-        return np.array([self._target.at(now.time + float(t)) for t in times]) - now.place
+    def _wish(self, now: Situation, times: Floats) -> NDArray[np.complex128]:
+        ahead = times.tolist() if self._pace else [0.0]
+        return np.array([self._target.at(now.time + t) for t in ahead]) - now.place
 
     def passed(self, places: NDArray[np.complex128], times: Array) -> None:
         """Look along the way that is about to be walked."""
@@ -398,39 +409,34 @@ class Route:
         return _Along(prospects, self)
 
 
-class _Along(Pursuit):
-    steers = True
-
+class _Along(TrailPursuit):
     def __init__(self, prospects: Prospects, route: Route) -> None:
-        self._all = prospects
+        super().__init__(prospects)
         self._line = route.sampled()
         self._scale = route.weight / prospects.spread**2
         self._haste = route.haste
         self._at = 0
         self._off: list[float] = []
 
-    def _gaps(self, rows: slice, now: Situation) -> tuple[NDArray[np.complex128], NDArray[np.float32]]:
-        """From the points of each trail to the points of the line as far along it."""
-        travelled = self._all.travelled[rows]
+    def _gaps(self, trail: Trail, now: Situation) -> NDArray[np.complex64]:
+        """From the points of the line to those of each trail as far along."""
         # where the performer is aside of the line, it counts from the nearest point on
-        index = np.minimum(self._at + np.round(travelled / STEP).astype(np.intp), len(self._line) - 1)
+        index = np.minimum(self._at + np.round(trail.travelled / STEP).astype(np.intp), len(self._line) - 1)
         wanted = (self._line[index] - now.place) * np.exp(-1j * now.heading)
-        return self._all.places[rows] - wanted, travelled
+        return np.asarray(trail.places - wanted, dtype=np.complex64)
 
-    def miss(self, rows: slice, now: Situation, bend: float) -> Array:
-        gap, travelled = self._gaps(rows, now)
+    def weigh(self, trail: Trail, now: Situation, bend: float) -> Array:
+        gap = self._gaps(trail, now)
         if bend > 0.0:
-            swerve = self._all.swerve[rows]
-            gap = gap + _shared_bend(gap, swerve, bend)[:, None] * swerve
+            gap = gap + _shared_bend(gap, trail.swerve, bend)[:, None] * trail.swerve
         aside = np.mean(gap.real**2 + gap.imag**2, axis=1)
         remaining = (len(self._line) - 1 - self._at) * STEP
-        late = np.minimum(remaining, self._all.reach) - np.minimum(travelled[:, -1], remaining)
+        due = self._pace * trail.times[:, -1] if self._pace else self._reach
+        late = np.minimum(remaining, due) - np.minimum(trail.travelled[:, -1], remaining)
         return np.asarray(self._scale * (aside + (self._haste * late) ** 2), dtype=np.float64)
 
-    def bend(self, row: int, now: Situation, most: float) -> float:
-        rows = slice(row, row + 1)
-        gap, _ = self._gaps(rows, now)
-        return float(_shared_bend(gap, self._all.swerve[rows], most)[0])
+    def bend(self, trail: Trail, now: Situation, most: float) -> float:
+        return float(_shared_bend(self._gaps(trail, now), trail.swerve, most)[0])
 
     def passed(self, places: NDArray[np.complex128], times: Array) -> None:
         """Look along the way that is about to be walked: how far along the line it leads, and how far off."""
@@ -475,14 +481,16 @@ class Heading:
         return _Facing(prospects, self)
 
 
-class _Facing(Pursuit):
-    def __init__(self, prospects: Prospects, goal: Heading) -> None:
-        self._turned = prospects.headings[:, -1]
-        self._wish = goal.heading
-        self._scale = goal.weight / (float(np.var(self._turned)) or 1.0)
+class _Facing(TrailPursuit):
+    steers = False
 
-    def miss(self, rows: slice, now: Situation, bend: float) -> Array:
-        off = self._turned[rows] - (self._wish - now.heading)
+    def __init__(self, prospects: Prospects, goal: Heading) -> None:
+        super().__init__(prospects)
+        self._wish = goal.heading
+        self._scale = goal.weight / (float(np.var(prospects.trail.headings[:, -1])) or 1.0)
+
+    def weigh(self, trail: Trail, now: Situation, bend: float) -> Array:
+        off = trail.headings[:, -1] - (self._wish - now.heading)
         off = (off + np.pi) % (2.0 * np.pi) - np.pi
         return np.asarray(self._scale * off**2, dtype=np.float64)
 
@@ -502,8 +510,23 @@ class Speed:
 
     def pursuit(self, network: Network, prospects: Prospects) -> Pursuit:
         """See `Goal`."""
-        speed = prospects.travelled[:, -1] / np.broadcast_to(prospects.times, prospects.places.shape)[:, -1]
-        return _Fixed((speed - self.speed) ** 2, self.weight / (float(np.var(speed)) or 1.0))
+        return _Paced(prospects, self)
+
+
+class _Paced(TrailPursuit):
+    steers = False
+
+    def __init__(self, prospects: Prospects, goal: Speed) -> None:
+        super().__init__(prospects)
+        self._wish = goal.speed
+        self._scale = goal.weight / (float(np.var(self._speed(prospects.trail))) or 1.0)
+
+    def weigh(self, trail: Trail, now: Situation, bend: float) -> Array:
+        return np.asarray(self._scale * (self._speed(trail) - self._wish) ** 2, dtype=np.float64)
+
+    @staticmethod
+    def _speed(trail: Trail) -> Floats:
+        return trail.travelled[:, -1] / trail.times[:, -1]
 
 
 class _Fixed(Pursuit):

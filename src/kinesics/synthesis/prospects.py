@@ -34,6 +34,8 @@ Floats = NDArray[np.float32]
 Places = NDArray[np.complex64]
 Indices = NDArray[np.intp]
 
+LOOKAHEAD: Final = 2.0
+"""Seconds that composites last at least, if nothing else is said."""
 SAMPLE: Final = 0.25
 """Seconds between the points of a composite's trail."""
 MOST_ROWS: Final = 200_000
@@ -67,6 +69,21 @@ class Trails(NamedTuple):
     """Metres along the way, shape (points,)."""
 
 
+class Trail(NamedTuple):
+    """Where composites lead, point by point: rows are composites that are weighed against each other."""
+
+    times: Floats
+    """Seconds from the composite's beginning, shape (1 or rows, points)."""
+    places: Places
+    """z + i·x as seen from the first frame, metres, shape (rows, points)."""
+    headings: Floats
+    """Radians turned, shape (rows, points)."""
+    travelled: Floats
+    """Metres walked, shape (rows, points)."""
+    swerve: Places
+    """How the places move if the way is bent by 1 radian a metre, to first order: shape (rows, points)."""
+
+
 @dataclass(frozen=True, eq=False)
 class Prospects:
     """Composites that may follow each path. Those that begin with successor ``e`` of the network's list of successors are
@@ -79,16 +96,8 @@ class Prospects:
     """Shape (successors + 1,)."""
     sequence: NDArray[np.int32]
     """Paths of each composite, −1 after the last: shape (rows, longest)."""
-    times: Floats
-    """Of the trail's points, seconds from the composite's beginning: shape (1 or rows, points)."""
-    places: Places
-    """Points of the trail, shape (rows, points)."""
-    headings: Floats
-    """Radians turned by each point, shape (rows, points)."""
-    travelled: Floats
-    """Metres walked by each point, shape (rows, points)."""
-    swerve: Places
-    """How the points move if the way is bent by 1 radian a metre, to first order: shape (rows, points)."""
+    trail: Trail
+    """Every `SAMPLE` seconds; at the end, if nothing is looked ahead to."""
     cost: Floats
     """Of all its transitions together, that into its first path included: shape (rows,)."""
     first_jump: Floats
@@ -97,13 +106,18 @@ class Prospects:
     @cached_property
     def reach(self) -> float:
         """Metres in a straight line: the most that can be made of one composite, from all but the fastest tenth of the paths."""
-        far = np.abs(self.places[:, -1])
+        far = np.abs(self.trail.places[:, -1])
         return float(np.quantile(np.maximum.reduceat(far, self.start[:-1]), 0.9))
 
     @cached_property
     def spread(self) -> float:
         """Metres: standard deviation of where composites end."""
-        return float(np.std(self.places[:, -1])) or 1.0
+        return float(np.std(self.trail.places[:, -1])) or 1.0
+
+    def along(self, rows: slice) -> Trail:
+        """The trails of some rows."""
+        times, *others = self.trail
+        return Trail(times if len(times) == 1 else times[rows], *(values[rows] for values in others))  # type: ignore[arg-type]
 
 
 def trails(network: Network) -> Trails:
@@ -127,7 +141,7 @@ def trails(network: Network) -> Trails:
     return Trails(start, places, turned - turned[start][path], walked - walked[start][path])
 
 
-def prospects(network: Network, lookahead: float = 3.0, *, hold: float = 0.2, seed: int = 0) -> Prospects:
+def prospects(network: Network, lookahead: float = LOOKAHEAD, *, hold: float = 0.2, seed: int = 0) -> Prospects:
     """Bundle what may follow each path of a network.
 
     Parameters
@@ -322,11 +336,13 @@ def _sampled(
         lookahead=float(lookahead),
         start=start,
         sequence=sequence,
-        times=clock.astype(np.float32),
-        places=places.astype(np.complex64),
-        headings=headings.astype(np.float32),
-        travelled=travelled.astype(np.float32),
-        swerve=swerve.astype(np.complex64),
+        trail=Trail(
+            clock.astype(np.float32),
+            places.astype(np.complex64),
+            headings.astype(np.float32),
+            travelled.astype(np.float32),
+            swerve.astype(np.complex64),
+        ),
         cost=chains.cost.astype(np.float32),
         first_jump=chains.first_jump.astype(np.float32),
     )
