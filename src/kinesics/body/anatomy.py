@@ -14,6 +14,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -215,7 +216,7 @@ def spread(steps: list[Array], links: int) -> Array:
 
 def _steps(base: Array, chain: list[Array]) -> list[Array]:
     """Rotations from one world orientation to the next."""
-    return [quaternion.multiply(quaternion.conjugate(a), b) for a, b in zip([base, *chain[:-1]], chain, strict=True)]
+    return [quaternion.multiply(quaternion.conjugate(a), b) for a, b in pairwise([base, *chain])]
 
 
 def _hinge(upper: Array, lower: Array, bone: Array) -> Array:

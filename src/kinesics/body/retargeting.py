@@ -10,6 +10,7 @@ and rest pose are: an orientation carries over as it is, only the bones it turns
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -35,6 +36,8 @@ _LIMBS: Final = {"left": 7, "right": 11}
 """First of the four links of each side: femur, tibia, humerus, radius."""
 _SAME_DIRECTION: Final = 1e-3
 """Radians: bones nearer than this are those of one rig, written with few digits."""
+_STRETCH: Final = 1e-3
+"""Metres: what joints shift by less is rounding."""
 _NEARLY_LOWEST: Final = 0.01
 """Metres within which points count as lowest together, so that the ground passes from one to the other smoothly."""
 
@@ -201,11 +204,16 @@ def retarget(motion: Motion, skeleton: Skeleton) -> Motion:
         ("neck", source.roles.neck, target.roles.neck),
     ):
         if len(here) != len(there):
-            said.append(f"{what} of {len(here)} joints spread over {len(there)}")
+            said.append(f"{what} of {len(here)} joint(s) spread over {len(there)}")
     if source.clavicle != target.clavicle:
         said.append("the two bodies have unlike rules for the clavicle: upper arms keep their place to the chest")
     if motion.joint_translations is not None:
-        said.append("joints that shift in the recording keep the lengths of the new skeleton")
+        below = _below_pelvis(motion.skeleton, source)
+        stretch = float(np.abs(motion.joint_translations[:, below] - motion.skeleton.offsets[below]).max(initial=0.0))
+        if stretch > _STRETCH:
+            said.append(
+                f"bones that stretch by up to {stretch:.3f} m in the recording keep the lengths of the skeleton"
+            )
     return Motion(
         skeleton,
         rotations,
@@ -313,8 +321,8 @@ def _oriented_like(skeleton: Skeleton, body: Anatomy, world: Array, other: Skele
     known: dict[int, Array] = {there.pelvis: seen[:, here.pelvis]}
 
     def along(base: Array, chain: Sequence[int]) -> list[Array]:
-        before = [base, *(seen[:, j] for j in chain[:-1])]
-        return [quaternion.multiply(quaternion.conjugate(a), seen[:, b]) for a, b in zip(before, chain, strict=False)]
+        ways = pairwise([base, *(seen[:, j] for j in chain)])
+        return [quaternion.multiply(quaternion.conjugate(a), b) for a, b in ways]
 
     def carry(base: Array, chain: Sequence[int], links: int, onto: Sequence[int], onto_base: Array) -> Array:
         steps = along(base, chain)

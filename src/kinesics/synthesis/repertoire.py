@@ -247,18 +247,18 @@ def repertoire(
     sources: list[Array] = []
     for name, motion in zip(names, understood, strict=True):
         if motion.fps != rate:
-            said.append(f"{name}: interpolated from {motion.fps:g} to {rate:g} frames a second")
+            said.append(f"{name}: resampled from {motion.fps:g} to {rate:g} frames a second")
         try:
             out, remarks = _brought(motion.resample(rate), body)
             level = floor_height(out)
             out = grounded(out)
             feet = foot_contacts(out)
-            image, _ = _brought(mirror(out), body)
+            image = grounded(_brought(mirror(out), body)[0])
         except SkeletonError as error:
             raise SkeletonError(f"{name}: {error}", found=error.found, missing=error.missing) from error
         said += [f"{name}: {remark}" for remark in (*remarks, f"its ground, found at {level:.3f} m, put to 0")]
         rotations.append((out.rotations, image.rotations))
-        # the image may stand a little higher or lower, where left and right legs are of unlike length
+        # the pelvis of the image is a little higher or lower where left and right legs are of unlike length
         place = out.root_positions * [-1.0, 1.0, 1.0]
         place[:, 1] = image.root_positions[:, 1]
         roots.append((out.root_positions, place))
