@@ -138,12 +138,11 @@ def find(
     found = []
     for a, b in pairwise(cuts.tolist()):
         phase, residual = _sides(moments, start + a, start + b, alternating=alternating)
-        ratio = moments.source_fps / moments.fps
         share = max(residual - moments.noise, 0.0) / max(range_, 1e-12)
         found.append(
             Cycle(
-                int(min(round((moments.first + start + a) * ratio), moments.source_frames - 1)),
-                int(min(round((moments.first + start + b) * ratio), moments.source_frames)),
+                int(min(max(round(moments.exact_frame_of(start + a)), 0), moments.source_frames - 1)),
+                int(min(round(moments.exact_frame_of(start + b)), moments.source_frames)),
                 float(b - a) / moments.fps,
                 phase if share < _ALIKE else None,
                 share,

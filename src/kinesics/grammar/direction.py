@@ -2,13 +2,13 @@
 
 Classes, cycles, phrases and states are found by going through the recording from one end to the other, and whoever starts at the
 other end decides close calls another way. So the recording itself says from which end it is read: from the one with less
-movement in its half. Played backwards it is read from the same end, and what is found is the same, turned round.
+movement in its half (`Moments.from_end`). Played backwards it is read from the same end, and what is found is the same, turned
+round.
 """
 
 from __future__ import annotations
 
 import dataclasses
-from typing import Final
 
 import numpy as np
 
@@ -16,24 +16,14 @@ from kinesics.grammar.classes import Verdict
 from kinesics.grammar.moments import Moments
 from kinesics.grammar.reading import Reading, Traversal
 
-_EVEN: Final = 1e-9
-"""Relative difference of the halves up to which rounding, not the movement, would decide."""
-
-
-def from_the_end(moments: Moments) -> bool:
-    """Whether the recording is to be read from its end: there is less movement there than at its beginning."""
-    way = moments.speed[1:]
-    if len(way) == 0:
-        return False
-    lever = np.linspace(-1.0, 1.0, len(way))
-    return bool(way @ lever < -_EVEN * way.sum())
-
 
 def reversed_moments(moments: Moments) -> Moments:
     """The moments played backwards: moment m becomes moment count − 1 − m."""
     dense = moments.dense
     return dataclasses.replace(
         moments,
+        from_end=not moments.from_end,
+        lead=moments.source_frames - 1 - moments.exact_frame_of(moments.count - 1),
         # entry i is the step towards moment i, entry 0 repeats the first step
         speed=np.concatenate([moments.speed[-1:], moments.speed[:0:-1]]),
         symmetry=moments.symmetry[::-1].copy(),
@@ -42,11 +32,11 @@ def reversed_moments(moments: Moments) -> Moments:
     )
 
 
-def reversed_verdict(verdict: Verdict, moments: Moments) -> Verdict:
-    """The verdict on the movement played backwards, for the movement; ``moments`` are those of either."""
+def reversed_verdict(verdict: Verdict, frames: int) -> Verdict:
+    """The verdict on a recording of so many frames played backwards, for the recording."""
 
     def turned(frame: int) -> int:
-        return moments.frame_of(moments.count - 1 - moments.moment_of(frame))
+        return max(frames - 1 - frame, 0)
 
     cycles = tuple(
         dataclasses.replace(

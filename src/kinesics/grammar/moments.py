@@ -1,8 +1,9 @@
 """What the grammar reads: distances D and D* between the moments of a recording, at a rate fit for reading.
 
-A moment is a frame of the recording taken at the analysis rate, at most 30 a second: the moments of a recording at 120 frames
-a second and of the same at 30 are the same. Whether D comes from poses, silhouettes or gestures makes no difference here; and
-no matrix of all moments is kept: `Moments.tile` and `Moments.by_lag` give the part that is wanted.
+A moment is a frame of the recording taken at the analysis rate, at most 30 a second, counted from the end that the recording is
+read from (`kinesics.grammar.direction`): played backwards it has the same ones. Whether D comes from poses, silhouettes or
+gestures makes no difference here; and no matrix of all moments is kept: `Moments.tile` and `Moments.by_lag` give the part that is
+wanted.
 """
 
 from __future__ import annotations
@@ -37,6 +38,8 @@ LARGEST_BLOCK: Final = 4000
 _ROWS: Final = 1024
 _FEWEST_ROWS: Final = 128
 
+_EVEN: Final = 1e-9
+"""Relative difference of the halves up to which rounding, not the movement, would decide."""
 _NEIGHBOURS: Final = (-2, -1, 1, 2)
 _WEIGHTS: Final = (-1 / 6, 4 / 6, 4 / 6, -1 / 6)
 """A cubic through the four neighbours passes the middle one: what is left of it is noise."""
@@ -70,6 +73,10 @@ class Moments:
     """D and D* of all moments, where they were given."""
     first: int = 0
     """Moments of the recording before these (`cut`)."""
+    lead: float = 0.0
+    """Source frames before the first moment of the recording."""
+    from_end: bool = False
+    """Whether the recording is to be read from its end (`kinesics.grammar.direction`)."""
 
     @property
     def count(self) -> int:
@@ -89,13 +96,20 @@ class Moments:
         """The source frame nearest to a moment; ``count`` (an exclusive end) gives the number of source frames."""
         if moment >= self.count:
             return self.source_frames
-        return int(min(max(round((self.first + moment) * self.source_fps / self.fps), 0), self.source_frames - 1))
+        if self.first + moment <= 0:
+            return 0  # what begins with the first moment begins with the recording
+        return int(min(max(round(self.exact_frame_of(moment)), 0), self.source_frames - 1))
+
+    def exact_frame_of(self, moment: float) -> float:
+        """The time of a moment, counted in source frames."""
+        return self.lead + (self.first + moment) * self.source_fps / self.fps
 
     def moment_of(self, frame: float) -> int:
         """The moment nearest to a source frame; the number of source frames gives ``count``."""
         if frame >= self.source_frames:
             return self.count
-        return int(min(max(round(frame * self.fps / self.source_fps) - self.first, 0), self.count - 1))
+        moment = round((frame - self.lead) * self.fps / self.source_fps) - self.first
+        return int(min(max(moment, 0), self.count - 1))
 
     def cut(self, start: int, end: int) -> Moments:
         """The moments [start, end) by themselves, counted from 0; frames stay those of the recording."""
@@ -209,7 +223,11 @@ def from_poses(poses: PoseSequence, rate: float = RATE, *, weights: Weights | No
     if not (np.isfinite(rate) and rate > 0.0):
         raise InputError(f"Expected `rate` above 0, got {rate}.")
     share = check_weights(weights)
-    taken = _resampled(poses, rate)
+    lagged = [
+        paired_distance(poses.quaternions[:-k], poses.quaternions[k:], share) for k in range(1, min(5, len(poses)))
+    ]
+    from_end = bool(lagged) and _livelier_first(lagged[0])
+    taken, lead = _resampled(poses, rate, from_end)
     q = taken.quaternions
     return Moments(
         fps=taken.fps,
@@ -217,14 +235,12 @@ def from_poses(poses: PoseSequence, rate: float = RATE, *, weights: Weights | No
         source_frames=len(poses),
         speed=_speed(paired_distance(q[:-1], q[1:], share) if len(q) > 1 else np.empty(0), taken.fps),
         symmetry=symmetry_residual(q, share),
-        noise=_noise(
-            # the noise is the sensor's: seen best at the sensor's own rate
-            [paired_distance(poses.quaternions[:-k], poses.quaternions[k:], share) for k in range(1, 5)]
-            if len(poses) > 4
-            else None
-        ),
+        # the noise is the sensor's: seen best at the sensor's own rate
+        noise=_noise(lagged if len(lagged) == 4 else None),
         poses=taken,
         weights=share,
+        lead=lead,
+        from_end=from_end,
     )
 
 
@@ -251,10 +267,12 @@ def from_distances(d: ArrayLike, d_mirror: ArrayLike, fps: float, rate: float = 
     if not (np.isfinite(fps) and fps > 0.0 and np.isfinite(rate) and rate > 0.0):
         raise InputError(f"Expected `fps` and `rate` above 0, got {fps} and {rate}.")
     frames = len(matrices[0])
-    noise = _noise([np.diagonal(matrices[0], k).astype(np.float64) for k in range(1, 5)] if frames > 4 else None)
-    taken = min(fps, rate)
+    lagged = [np.diagonal(matrices[0], k).astype(np.float64) for k in range(1, min(5, frames))]
+    from_end = bool(lagged) and _livelier_first(lagged[0])
+    taken, lead = min(fps, rate), 0.0
     if taken < fps:
-        times = np.arange(int(np.floor((frames - 1) / fps * taken + 1e-9)) + 1) * (fps / taken)
+        times = _times(frames, fps, taken, from_end)
+        lead = float(times[0])
         index = np.minimum(np.round(times).astype(np.intp), frames - 1)
         matrices = [m[np.ix_(index, index)] for m in matrices]
     matrices = [np.maximum(m, np.float32(0.0)) for m in matrices]
@@ -264,17 +282,34 @@ def from_distances(d: ArrayLike, d_mirror: ArrayLike, fps: float, rate: float = 
         source_frames=frames,
         speed=_speed(np.diagonal(matrices[0], 1).astype(np.float64), taken),
         symmetry=np.diagonal(matrices[1]).astype(np.float64),
-        noise=noise,
+        noise=_noise(lagged if len(lagged) == 4 else None),
         dense=(matrices[0], matrices[1]),
+        lead=lead,
+        from_end=from_end,
     )
 
 
-def _resampled(poses: PoseSequence, rate: float) -> PoseSequence:
-    """At ``rate`` or the poses' own, if that is lower; moment k at time k / rate; frames that fall on it are kept as they are."""
+def _livelier_first(steps: Array) -> bool:
+    """Whether there is more movement towards the beginning than towards the end, by D from frame to frame."""
+    way = chord(steps)
+    lever = np.linspace(-1.0, 1.0, len(way))
+    return bool(way @ lever < -_EVEN * way.sum())
+
+
+def _times(frames: int, fps: float, rate: float, from_end: bool) -> Array:
+    """When the moments are, in frames: from the end that the recording is read from, so that turned round it has the same."""
+    ratio = fps / rate
+    steps = int(np.floor((frames - 1) / ratio + 1e-9))
+    first = frames - 1 - steps * ratio if from_end else 0.0
+    return np.asarray(first + ratio * np.arange(steps + 1), dtype=np.float64)
+
+
+def _resampled(poses: PoseSequence, rate: float, from_end: bool) -> tuple[PoseSequence, float]:
+    """At ``rate`` or the poses' own, if that is lower, and when the first moment is; frames that are moments stay as they are."""
     if poses.fps <= rate * (1.0 + 1e-6) or len(poses) == 1:
-        return poses
+        return poses, 0.0
     last = len(poses) - 1
-    times = np.arange(int(np.floor(last / poses.fps * rate + 1e-9)) + 1) * (poses.fps / rate)
+    times = _times(len(poses), poses.fps, rate, from_end)
     left = np.minimum(np.floor(times + 1e-9).astype(np.intp), last)
     right = np.minimum(left + 1, last)
     t = np.clip(times - left, 0.0, 1.0)
@@ -287,7 +322,7 @@ def _resampled(poses: PoseSequence, rate: float) -> PoseSequence:
     undefined = poses.yaw_undefined
     assert undefined is not None
     ground = poses.ground
-    return dataclasses.replace(
+    taken = dataclasses.replace(
         poses,
         quaternions=q,
         yaw=yaw[left] * (1.0 - t) + yaw[right] * t,
@@ -295,6 +330,7 @@ def _resampled(poses: PoseSequence, rate: float) -> PoseSequence:
         yaw_undefined=undefined[left] | (undefined[right] & between),
         fps=rate,
     )
+    return taken, float(times[0])
 
 
 def _speed(steps: Array, fps: float) -> Array:

@@ -106,7 +106,7 @@ def read_grammar(
         report(1.0, "grammar read")
         return Grammar(read, None, (), (), (), (), (), graph, (_too_short(read),))
     # as it is read, from its beginning or from its end; the motifs take both directions together
-    seen = direction.reversed_moments(read) if direction.from_the_end(read) else read
+    seen = direction.reversed_moments(read) if read.from_end else read
     report(0.05, "the class of the whole and of the phrases")
     overall, judged = _judge(seen, part(report, 0.05, 0.45))
     report(0.45, "motifs")
@@ -122,7 +122,10 @@ def read_grammar(
             states_and_paths = direction.reversed_reading(states_and_paths, read.count)
         graph = assembly.assemble(states_and_paths, read, name)
     if seen is not read:
-        overall, judged = direction.reversed_verdict(overall, read), _turned_round(judged, read)
+        overall, judged = (
+            direction.reversed_verdict(overall, read.source_frames),
+            _turned_round(judged, read.source_frames),
+        )
     edited = judged if edits is None else _edited_phrases(read, judged, edits, source)
     report(1.0, "grammar read")
     return Grammar(
@@ -145,10 +148,10 @@ def _too_short(read: Moments) -> str:
 
 def judge(read: Moments) -> tuple[Verdict, list[JudgedPhrase]]:
     """The class of a recording as one path; and its phrases, each with its class."""
-    if not direction.from_the_end(read):
+    if not read.from_end:
         return _judge(read)
     overall, judged = _judge(direction.reversed_moments(read))
-    return direction.reversed_verdict(overall, read), _turned_round(judged, read)
+    return direction.reversed_verdict(overall, read.source_frames), _turned_round(judged, read.source_frames)
 
 
 def _judge(read: Moments, progress: Progress = silent) -> tuple[Verdict, list[JudgedPhrase]]:
@@ -188,16 +191,16 @@ def _structures(
     return out
 
 
-def _turned_round(judged: Sequence[JudgedPhrase], read: Moments) -> list[JudgedPhrase]:
+def _turned_round(judged: Sequence[JudgedPhrase], frames: int) -> list[JudgedPhrase]:
     """The phrases of a recording that was read from its end; kinds are numbered in order of appearance again."""
     kinds: dict[int, int] = {}
     return [
         dataclasses.replace(
             p,
-            start=read.frame_of(read.count - read.moment_of(p.end)),
-            end=read.frame_of(read.count - read.moment_of(p.start)),
+            start=frames - p.end,
+            end=frames - p.start,
             kind=kinds.setdefault(p.kind, len(kinds)),
-            verdict=None if p.verdict is None else direction.reversed_verdict(p.verdict, read),
+            verdict=None if p.verdict is None else direction.reversed_verdict(p.verdict, frames),
         )
         for p in reversed(judged)
     ]
