@@ -11,8 +11,8 @@ mirrored transitions, and those of reversed ones the reversed.
 
 **Which pairs.** Local minima of that distance in the (a, b) plane that are near enough, and of which neither differs too much in
 
-- the velocity of the pose: by no more than .85 of the faster one (two of equal speed: 50 degrees apart), or by half of
-  the pace where both are slow;
+- the velocity of the pose: by no more than .85 of the faster one (two of equal speed: 50 degrees apart), or, where both are
+  slow, by half of what it usually changes within the time of a blend: one may begin to move from rest;
 - the velocity of the root over the ground and its turning, seen from the heading, and its height: by no more than nine tenths
   of all moving moments change within the time of a blend, see `Limits`;
 - the feet: none that stands where the other swings, unless it changes at the seam.
@@ -78,7 +78,7 @@ SEARCH_RATE: Final = 30.0
 DIRECTION: Final = 0.85
 """Difference of pose velocities that is accepted, as a share of the faster one."""
 SLOW: Final = 0.5
-"""The same where both are slow, as a share of the pace."""
+"""The same where both are slow, as a share of what the velocity itself changes in the time of a blend (median)."""
 CHANGE_QUANTILE: Final = 0.9
 FOOT: Final = 0.5
 """Difference between shares of time on the ground about the seam."""
@@ -102,8 +102,8 @@ class Limits:
     """Mean D over the window."""
     rule: str
     """How ``distance`` was found."""
-    pace: float
-    """Speed of the pose, √(2D)/s, at which the body covers √(2 · distance) in the time of a blend."""
+    pose_velocity: float
+    """Of the pose where it is slow, √(2D)/s."""
     velocity: float
     """Of the root over the ground, m/s."""
     turn: float
@@ -274,7 +274,7 @@ class _Seams:
             there = np.where(image[part, None], self.pose_velocity[1][b[part]], self.pose_velocity[0][b[part]])
             apart = np.linalg.norm(here - time[part, None] * there, axis=1)
             faster = np.maximum(np.linalg.norm(here, axis=1), np.linalg.norm(there, axis=1))
-            pose_velocity[part] = apart / np.maximum(DIRECTION * faster, SLOW * limits.pace)
+            pose_velocity[part] = apart / np.maximum(DIRECTION * faster, limits.pose_velocity)
         travel = self.travel[b] * np.stack([mirror, np.ones_like(mirror)], axis=1) * time[:, None]
         standing = np.where(image[:, None], self.standing[b][:, ::-1], self.standing[b])
         return {
@@ -339,6 +339,10 @@ def _limits(repertoire: Repertoire, threshold: float | None, weights: Array) -> 
     turning = (yaw[ahead] - yaw) / seconds
     whole = early[early + lag + wide <= ends[early]]
 
+    velocity = _pose_velocity(q, q[ahead], weights, seconds)
+    bent = np.linalg.norm(velocity[whole + lag] - velocity[whole], axis=1)
+    bends = float(np.median(bent)) if len(whole) else 0.0
+
     def change(values: Array, at: Indices, least: float) -> float:
         if not len(at):
             return least
@@ -348,7 +352,7 @@ def _limits(repertoire: Repertoire, threshold: float | None, weights: Array) -> 
     return Limits(
         distance=allowed,
         rule=rule,
-        pace=float(chord(allowed)) / BLEND,
+        pose_velocity=max(SLOW * bends, 0.5 * EPSILON / BLEND),
         velocity=change(travel, whole, _LEAST_VELOCITY),
         turn=change(turning, whole, _LEAST_TURN),
         height=change(roots[:, 1], early, _LEAST_HEIGHT),
