@@ -106,6 +106,14 @@ def test_successors_are_what_is_recorded_or_transitions(made: Network) -> None:
     assert made.distance.max() <= made.threshold
 
 
+def test_only_what_was_recorded_is_free() -> None:
+    """Going over into a copy of the same recording costs next to nothing, but something: to go on as recorded is told by cost 0."""
+    made = network(repertoire([rounds(8.0), rounds(8.0)], mirrored=False))
+    goes_on = np.repeat(made.onward, np.diff(made.indptr)) == made.first[made.indices]
+    np.testing.assert_array_equal(made.cost == 0.0, goes_on)
+    assert made.cost[~goes_on].min() < 1e-6
+
+
 def test_displacement_and_turn_by_their_definition(made: Network) -> None:
     """From a path's first moment to that with which the recording goes on, as seen from the heading at the first."""
     rep = made.repertoire

@@ -40,6 +40,7 @@ Indices = NDArray[np.intp]
 Mask = NDArray[np.bool_]
 
 _NAMES_AT_MOST: Final = 8
+_LEAST_COST: Final = 1e-12
 
 
 class Pruned(NamedTuple):
@@ -79,7 +80,7 @@ class Network:
     indices: Indices
     """Paths that may follow, shape (successors,)."""
     cost: Array
-    """Of going over to each successor, in [0, 1]: 0 where the recording itself goes on. Shape (successors,)."""
+    """Of going over to each successor, in [0, 1]: 0 where the recording itself goes on and only there. Shape (successors,)."""
     distance: Array
     """Mean D of going over to each successor, 0 where the recording itself goes on. Shape (successors,)."""
     displacement: Array
@@ -304,7 +305,8 @@ def _finished(repertoire: Repertoire, found: Transitions, draft: _Draft, kept: M
     number = np.cumsum(kept) - 1
     inside = kept[draft.path] & kept[draft.indices]
     before, after, transition = number[draft.path[inside]], number[draft.indices[inside]], draft.transition[inside]
-    cost = np.where(transition < 0, 0.0, np.append(found.cost, 0.0)[transition])
+    # only what was recorded costs nothing at all
+    cost = np.where(transition < 0, 0.0, np.maximum(np.append(found.cost, 0.0)[transition], _LEAST_COST))
     apart = np.where(transition < 0, 0.0, np.append(found.distance, 0.0)[transition])
     order = np.lexsort((after, cost, before))
     first, length = draft.first[kept], draft.length[kept]
@@ -458,17 +460,20 @@ def labelled(network: Network, graph: MotionGraph, phrases: Sequence[Phrase] = (
                 f"{repertoire.names[number]} has more frames than source {number} of the motion graph, {source.name} "
                 f"({source.frames}): give the graph of the same recordings, in the same order."
             )
-    steps = [whole.timeline(k) for k in range(repertoire.recording_count)]
-    said = [[p for p in phrases if p.source == k] for k in range(repertoire.recording_count)]
-    words: list[_Words] = []
-    classes: list[str] = []
-    for low, high, recording, strand in zip(
-        ends[0].tolist(), ends[1].tolist(), network.recording.tolist(), network.strand.tolist(), strict=True
-    ):
-        step = _most_shared(steps[recording], low, high + 1.0)
-        words.append(_Words("", "", "") if step is None else _word(whole, steps[recording][step], strand))
-        phrase = _most_shared(said[recording], low, high + 1.0)
-        classes.append("" if phrase is None else said[recording][phrase].class_ or "")
+    words = [_Words("", "", "")] * len(network)
+    classes = [""] * len(network)
+    for number in range(repertoire.recording_count):
+        own = np.flatnonzero(network.recording == number)
+        if not len(own):
+            continue
+        steps = whole.timeline(number)
+        said = [p for p in phrases if p.source == number]
+        for path, at in zip(own.tolist(), _most_shared(steps, *ends[:, own]), strict=True):
+            if at >= 0:
+                words[path] = _word(whole, steps[at], int(network.strand[path]))
+        for path, at in zip(own.tolist(), _most_shared(said, *ends[:, own]), strict=True):
+            if at >= 0:
+                classes[path] = said[at].class_ or ""
     return dataclasses.replace(
         network,
         state_from=tuple(w.state_from for w in words),
@@ -485,14 +490,15 @@ class _Stretch(Protocol):
     def end(self) -> int: ...
 
 
-def _most_shared(stretches: Sequence[_Stretch], low: float, high: float) -> int | None:
-    """Number of the stretch that shares most with [low, high), the earliest of equals; None if none shares anything."""
-    best, most = None, 0.0
-    for number, stretch in enumerate(stretches):
-        shared = min(high, stretch.end) - max(low, stretch.start)
-        if shared > most:
-            best, most = number, shared
-    return best
+def _most_shared(stretches: Sequence[_Stretch], first: Array, last: Array) -> list[int]:
+    """Number of the stretch that shares most with each of the frames first … last, the earliest of equals, −1 if none does."""
+    if not stretches:
+        return [-1] * len(first)
+    start, end = (np.array([getattr(s, side) for s in stretches]) for side in ("start", "end"))
+    shared = np.minimum(last[:, None] + 1.0, end) - np.maximum(first[:, None], start)
+    most = np.argmax(shared, axis=1)
+    numbers: list[int] = np.where(shared[np.arange(len(first)), most] > 0.0, most, -1).tolist()
+    return numbers
 
 
 def _word(graph: MotionGraph, step: Step, strand: int) -> _Words:
