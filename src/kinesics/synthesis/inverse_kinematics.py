@@ -31,8 +31,10 @@ SOFT: Final = 0.985
 """Share of the leg's length, hip to ankle, up to which a target is reached exactly; the knee is then bent by 20°."""
 STRAIGHTEST: Final = 0.9999
 """Share of the leg's length that no target takes it beyond."""
-_CLEAR_BEND: Final = 0.15
-"""Sine of the knee's bend from which the plane of the bend is the leg's own; below it is more and more the hinge's."""
+_HINGE_SHARE: Final = 0.8
+"""Share of a knee's turning that must go about one axis for that axis to be its hinge."""
+_HINGE_SWING: Final = np.deg2rad(5.0)
+"""Standard deviation that a knee must turn by for its axis to be told."""
 _BACKWARD_KNEE: Final = -0.15
 """Radians: knees that bend the wrong way by more are taken to be meant."""
 
@@ -57,8 +59,13 @@ class Reached(NamedTuple):
     """Metres by which each ankle falls short of its target, shape (frames, 2)."""
 
 
-def legs(skeleton: Skeleton) -> Legs:
+def legs(skeleton: Skeleton, rotations: Array | None = None) -> Legs:
     """The legs of a skeleton that carries its anatomy.
+
+    Parameters
+    ----------
+    rotations : of all joints relative to their parents in recordings, shape (frames, joints, 4): the axis about which a knee
+        turns in them is its hinge. Without, and where a knee hardly turns, it is the left-right axis of the anatomy.
 
     Raises
     ------
@@ -87,9 +94,20 @@ def legs(skeleton: Skeleton) -> Legs:
                 )
     tibias = found["tibia"]
     hinges = quaternion.rotate(body.frames[tibias], np.array([1.0, 0.0, 0.0]))
+    if rotations is not None:
+        hinges = np.stack([_hinge(rotations[:, j], axis) for j, axis in zip(tibias, hinges, strict=True)])
     return Legs(
         (found["femur"][0], found["femur"][1]), (tibias[0], tibias[1]), (found["foot"][0], found["foot"][1]), hinges
     )
+
+
+def _hinge(knee: Array, anatomical: Array) -> Array:
+    """The axis that a knee turns about, shape (frames, 4) to (3,): the first principal axis of its rotation vectors."""
+    vectors = quaternion.as_rotvec(quaternion.multiply(quaternion.conjugate(quaternion.mean(knee)), knee))
+    spread, axes = np.linalg.eigh(np.cov(vectors.T))
+    axis = axes[:, -1] * (1.0 if axes[:, -1] @ anatomical >= 0.0 else -1.0)
+    told = spread[-1] > _HINGE_SWING**2 and spread[-1] > _HINGE_SHARE * spread.sum() and axis @ anatomical > 0.7
+    return np.asarray(axis if told else anatomical)
 
 
 def reach(
@@ -151,13 +169,7 @@ def _bend_and_swing(hip: Array, knee: Array, ankle: Array, target: Array, hinge:
     far = softened(asked, now, l1 + l2)
     far = np.maximum(far, np.abs(l1 - l2) + 1e-4 * (l1 + l2))
     far = np.where(asked == now, now, far)
-    # the axis: at right angles to the bend that there is, the knee's own hinge where there is none
-    across = np.cross(u, v)
-    sine = _length(across)
-    plain = np.clip(np.sum(across * hinge, axis=-1) / _CLEAR_BEND, 0.0, 1.0)
-    plain = (plain * plain * (3.0 - 2.0 * plain))[..., None]
-    axis = plain * across / np.where(sine > 1e-12, sine, 1.0)[..., None] + (1.0 - plain) * hinge
-    axis /= _length(axis)[..., None]
+    axis = hinge
     # u·(v turned by Δ about the axis) = a cos Δ + b sin Δ + c must become what the law of cosines asks of it
     along_u, along_v = np.sum(axis * u, axis=-1), np.sum(axis * v, axis=-1)
     c = along_u * along_v

@@ -78,10 +78,14 @@ class Quality:
 @dataclass(frozen=True, eq=False)
 class _Yardstick:
     turning: Array
+    """99th percentile of each joint."""
     acceleration: Array
-    acceleration_over: float
+    turnings: Array
+    """Of every frame and its mirror image, shape (2, frames, joints)."""
+    accelerations: Array
     slides: Array
-    share: float
+    feet: Mask
+    """Shape (2, frames, 2)."""
     penetration: float
     collision: float
     collision_share: float
@@ -101,24 +105,29 @@ def measure(performance: Performance, repertoire: Repertoire, *, threshold: floa
         _yardsticks[repertoire] = _yardstick(repertoire)
     own = _yardsticks[repertoire]
     motion, stage = performance.motion, Stage.of(repertoire)
-    near = performance.provenance.transition
+    came = performance.provenance
     turning, acceleration = _leaps(motion)
-    at = near[1:-1]
-    turned = turning[at] / own.turning
-    pushed = acceleration[at] / own.acceleration
-    slides, share, sunk = _feet(motion, stage)
+    at = came.transition[1:-1]
+    turned, pushed = turning[at] / own.turning, acceleration[at] / own.acceleration
+    # the same moments as they were recorded
+    frame = repertoire.frame_of(came.moment)[1:-1][at]
+    image = came.mirrored[1:-1][at].astype(np.intp)
+    was_turned, was_pushed = own.turnings[image, frame] / own.turning, own.accelerations[image, frame] / own.acceleration
+    slides, feet, sunk = _feet(motion, stage)
+    share = float(feet.mean())
+    frame_all, image_all = repertoire.frame_of(came.moment), came.mirrored.astype(np.intp)
     low = [float(_nearest(motion, repertoire).max())]
     excess = _beyond(motion, stage)
     hit = self_collisions(motion)
     return Quality(
-        turning=Beside(_quantile(turned), 1.0),
-        turning_over=Beside(float(np.mean(turned > 1.0)) if turned.size else 0.0, 1.0 - QUANTILE),
-        acceleration=Beside(_quantile(pushed), 1.0),
-        acceleration_over=Beside(float(np.mean(pushed > 1.0)) if pushed.size else 0.0, 1.0 - QUANTILE),
+        turning=Beside(_quantile(turned), _quantile(was_turned)),
+        turning_over=Beside(_over(turned), _over(was_turned)),
+        acceleration=Beside(_quantile(pushed), _quantile(was_pushed)),
+        acceleration_over=Beside(_over(pushed), _over(was_pushed)),
         slide=Beside(_quantile(slides, 0.95), _quantile(own.slides, 0.95)),
         slide_worst=Beside(_quantile(slides, 1.0), _quantile(own.slides, 1.0)),
         slides_over=float(np.mean(slides > 0.01)) if len(slides) else 0.0,
-        contact_share=Beside(share, own.share),
+        contact_share=Beside(share, float(own.feet[image_all, frame_all].mean())),
         penetration=Beside(sunk, own.penetration),
         distance=Beside(low[0], threshold),
         joint_excess=float(excess.max(initial=0.0)),
@@ -133,31 +142,35 @@ def measure(performance: Performance, repertoire: Repertoire, *, threshold: floa
 
 def _yardstick(repertoire: Repertoire) -> _Yardstick:
     stage = Stage.of(repertoire)
-    turnings, pushes, slides, shares, frames, sunk, hits, deep = [], [], [], [], [], [], [], []
+    shape = (2, repertoire.frame_count, repertoire.skeleton.joint_count)
+    turnings, pushes = np.zeros(shape), np.zeros(shape)
+    feet = np.zeros((2, repertoire.frame_count, 2), dtype=np.bool_)
+    slides, sunk, hits, deep = [], 0.0, 0, 0.0
+    inner = np.zeros(repertoire.frame_count, dtype=np.bool_)
     for k in range(repertoire.recording_count):
-        motion = repertoire.motion(k)
-        turning, push = _leaps(motion)
-        turnings.append(turning)
-        pushes.append(push)
-        slide, share, low = _feet(motion, stage)
-        slides.append(slide)
-        shares.append(share)
-        sunk.append(low)
-        frames.append(motion.frame_count)
-        hit = self_collisions(motion)
-        hits.append(hit.frames)
-        deep.append(_deepest(hit))
-    total = float(sum(frames))
-    acceleration = np.concatenate(pushes)
+        a, b = int(repertoire.starts[k]), int(repertoire.starts[k + 1])
+        inner[a + 1 : b - 1] = True
+        for strand in (0, 1) if repertoire.mirrored else (0,):
+            motion = repertoire.motion(k, strand)
+            turnings[strand, a + 1 : b - 1], pushes[strand, a + 1 : b - 1] = _leaps(motion)
+            slide, stands, low = _feet(motion, stage)
+            feet[strand, a:b] = stands
+            slides.append(slide)
+            sunk = max(sunk, low)
+            hit = self_collisions(motion)
+            hits += hit.frames
+            deep = max(deep, _deepest(hit))
+    strands = (0, 1) if repertoire.mirrored else (0,)
     return _Yardstick(
-        _per_joint(np.concatenate(turnings)),
-        _per_joint(acceleration),
-        0.0,
+        _per_joint(turnings[list(strands)][:, inner].reshape(-1, shape[2])),
+        _per_joint(pushes[list(strands)][:, inner].reshape(-1, shape[2])),
+        turnings,
+        pushes,
         np.concatenate(slides),
-        float(np.average(shares, weights=frames)),
-        max(sunk),
-        max(deep),
-        sum(hits) / total,
+        feet,
+        sunk,
+        deep,
+        hits / (len(strands) * repertoire.frame_count),
     )
 
 
@@ -179,15 +192,15 @@ def _leaps(motion: Motion) -> tuple[Array, Array]:
     )
 
 
-def _feet(motion: Motion, stage: Stage) -> tuple[Array, float, float]:
-    """How far each contact slides, share of time on the ground, greatest depth below the floor."""
+def _feet(motion: Motion, stage: Stage) -> tuple[Array, Mask, float]:
+    """How far each contact slides, when the feet are on the ground, greatest depth below the floor."""
     found = _contacts.contacts(motion, known=stage.soles, ground=Floor(0.0))
     slides = [
         slide(found.positions[a:b, k], found.positions[a:b, k, :, 1] - stage.levels[k])
         for k in (0, 1)
         for a, b in runs(found.feet[:, k])
     ]
-    return np.array(slides), float(found.feet.mean()), float(max(0.0, -found.positions[..., 1].min()))
+    return np.array(slides), found.feet, float(max(0.0, -found.positions[..., 1].min()))
 
 
 def slide(points: Array, height: Array) -> float:
@@ -232,6 +245,10 @@ def _beyond(motion: Motion, stage: Stage) -> Array:
 def _deepest(found: object) -> float:
     hits = getattr(found, "collisions", ())
     return float(hits[0].worst_depth) if hits else DEPTH_TOLERANCE * 0.0
+
+
+def _over(shares: Array) -> float:
+    return float(np.mean(shares > 1.0)) if shares.size else 0.0
 
 
 def _quantile(values: Array, q: float = QUANTILE) -> float:

@@ -16,8 +16,9 @@
 
 from __future__ import annotations
 
+import itertools
 import weakref
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final, NamedTuple
@@ -44,16 +45,30 @@ YARDSTICK: Final = 0.99
 """Quantile of the recordings' own accelerations that a transition may not exceed."""
 BEARING: Final = 0.008
 """Metres: a point of the sole this much above the lowest bears e times less."""
-RELEASE: Final = 0.06
+RELEASE: Final = 0.07
 """Seconds before and after a contact over which the foot is let go."""
+_MARGIN: Final = 0.25
+"""Share of such times for which the foot is still held as if it bore: no rule tells the very frame of its lifting."""
 LIFT: Final = 0.10
 """Seconds before and after a contact over which the sole comes down to the floor."""
+SHORTEST_GAP: Final = 0.13
+"""Seconds: at a transition no foot is lifted for less."""
 SHORTEST_CONTACT: Final = 0.06
-"""Seconds: contacts and gaps shorter than this that arise at a transition are none."""
+"""Seconds: at a transition no foot is set down for less."""
 GENTLE: Final = 10.0
 """m/s²: what a swinging foot may be accelerated by on its way to another place than the recording's."""
+SOFTLY: Final = 0.05
+"""Seconds before and after over which the height of a foot is corrected: less than a step, more than a marker's tremble."""
+SUNK: Final = 0.004
+"""Metres below the floor that are let pass: a sole gives way."""
 TOLERATED: Final = 0.01
 """Metres that a foot stands beside its place in the recording which weigh as much as `GENTLE` in the air."""
+YIELD: Final = 0.1
+"""Seconds before and after over which a joint goes back that would go beyond its range."""
+LEAN: Final = 0.25
+"""Seconds before and after over which the body follows what its feet were moved by."""
+_FLIGHT: Final = 0.05
+"""What weighs for no shift at all, so that a body in flight comes back."""
 SINK: Final = 0.15
 """Seconds before and after over which the pelvis gives way where a leg cannot reach."""
 
@@ -151,7 +166,7 @@ class Stage:
         skeleton, fps = repertoire.skeleton, repertoire.fps
         whole = Motion(skeleton, repertoire.rotations[0], repertoire.root_positions[0], fps)
         found = _contacts.contacts(whole, ground=Floor(0.0))
-        legs = inverse_kinematics.legs(skeleton)
+        legs = inverse_kinematics.legs(skeleton, repertoire.rotations[0][:: max(1, repertoire.frame_count // 4000)])
         strands = (0, 1) if repertoire.mirrored else (0,)
         rotations = repertoire.rotations[list(strands)]
         inside = _inner(repertoire)
@@ -178,11 +193,6 @@ class Stage:
             vectors.min(axis=0),
             vectors.max(axis=0),
         )
-
-    @cached_property
-    def native_fps(self) -> float:
-        """Frames a second."""
-        return self.repertoire.fps
 
 
 _stages: weakref.WeakKeyDictionary[Repertoire, Stage] = weakref.WeakKeyDictionary()
@@ -241,11 +251,13 @@ def render(
     if extra.shape != (len(chosen),) or not np.isfinite(extra).all():
         raise InputError(f"Expected one finite `bend` for each of {len(chosen)} paths, got shape {extra.shape}.")
     if origin.shape != (2,) or not np.isfinite(origin).all() or not np.isfinite(heading):
-        raise InputError(f"Expected `start` as finite x, z and a finite `heading`, got {start} and {heading}.")
+        raise InputError(f"Expected `start` as finite x, z and a finite `heading`, got {start!r} and {heading!r}.")
     stage = Stage.of(network.repertoire)
     laid = _lay(network, chosen, origin, float(heading), extra)
     blended = _blend(stage, laid)
-    rotations, roots = _within_range(stage, blended.rotations, laid.transition), blended.roots
+    rotations, roots = blended.rotations, blended.roots
+    if len(laid.cuts):
+        _within_range(stage, rotations, np.arange(1, rotations.shape[1]), blended.weight < 1.0)
     standing = _standing(network.repertoire, laid)
     if pinned:
         footed = _pin(stage, rotations, roots, standing)
@@ -339,7 +351,7 @@ def _lay(network: Network, chosen: Indices, origin: Array, heading: float, extra
     face_first, face_onward = repertoire.yaw_of(first), repertoire.yaw_of(onward)
     turn = heading - face_first[0] + np.concatenate([[0.0], np.cumsum(face_onward[:-1] - face_first[1:])])
     bent = np.concatenate([[0.0], np.cumsum(extra)])
-    lean = bent[step] + extra[step] * _even(within / lengths[step])
+    lean = bent[step] + extra[step] * within / lengths[step]
     yaw = turn[step] + lean
     # the place: steps of the recordings, each turned as its path is
     here, after = repertoire.roots_of(moments), repertoire.roots_of(repertoire.advance(moments, 1))
@@ -360,17 +372,17 @@ def _lay(network: Network, chosen: Indices, origin: Array, heading: float, extra
     velocities = np.zeros_like(offsets)
     if len(cuts):
         world = turn + bent[:-1]
-        offsets, velocities = _seams(repertoire, onward[jumps - 1], world[jumps - 1] + extra[jumps - 1], first[jumps], world[jumps])
+        offsets, velocities = _seams(
+            repertoire, onward[jumps - 1], world[jumps - 1] + extra[jumps - 1], first[jumps], world[jumps]
+        )
     bounds = np.concatenate([[0], cuts, [frames]])
     room = np.stack([cuts - bounds[:-2], bounds[2:] - cuts], axis=-1) / fps
     return _Laid(moments, step, chosen[step], cuts, rotations, roots, offsets, velocities, room, fps)
 
 
-def _even(t: Array) -> Array:
-    return t
-
-
-def _seams(repertoire: Repertoire, left: Indices, left_yaw: Array, entered: Indices, entered_yaw: Array) -> tuple[Array, Array]:
+def _seams(
+    repertoire: Repertoire, left: Indices, left_yaw: Array, entered: Indices, entered_yaw: Array
+) -> tuple[Array, Array]:
     """Offsets of what is entered from what is left, and how quickly they change, shapes (cuts, joints + 1, 3)."""
     fps = repertoire.fps
     found = []
@@ -413,7 +425,7 @@ class _Blended(NamedTuple):
 
 def _blend(stage: Stage, laid: _Laid) -> _Blended:
     frames = len(laid.moments)
-    rotations, roots = laid.rotations, laid.roots.copy()
+    rotations, roots = laid.rotations.copy(), laid.roots.copy()
     weight = np.ones(frames)
     added = np.zeros((frames, *laid.offsets.shape[1:])) if len(laid.cuts) else None
     for k, cut in enumerate(laid.cuts.tolist()):
@@ -434,36 +446,43 @@ def _blend(stage: Stage, laid: _Laid) -> _Blended:
         weight[a:b] = np.minimum(weight[a:b], own)
     if added is not None:
         touched = np.nonzero(np.any(added != 0.0, axis=(1, 2)))[0]
-        rotations = rotations.copy()
         rotations[touched] = blending.add_rotation(rotations[touched], added[touched, :-1])
         roots += added[:, -1]
     return _Blended(rotations, roots, weight)
 
 
-def _within_range(stage: Stage, rotations: Array, where: Mask) -> Array:
-    """Joints put back into the range that they have in the recordings, over a stretch rather than at once."""
-    frames = np.nonzero(where)[0]
-    if len(frames) == 0:
-        return rotations
-    vectors = np.zeros((len(rotations), *rotations.shape[1:-1], 3))
-    vectors[frames] = blending.rotation_offset(stage.middle, rotations[frames])
-    inside = np.clip(vectors, stage.low, stage.high)
-    beyond = np.nonzero(np.any(vectors != inside, axis=(0, 2)) & True)[0]
-    out = rotations.copy()
-    for j in beyond.tolist():
-        if j == 0:
-            continue  # the root is free
-        excess = vectors[:, j] - inside[:, j]
-        reach = max(1, round(0.1 * stage.repertoire.fps))
-        for axis in range(3):
-            for sign in (1.0, -1.0):
-                over = np.maximum(sign * excess[:, axis], 0.0)
-                if over.any():
-                    vectors[:, j, axis] -= sign * envelope(over, reach)
-        changed = np.nonzero(where)[0]
-        vectors[:, j] = np.clip(vectors[:, j], stage.low[j], stage.high[j])
-        out[changed, j] = blending.add_rotation(stage.middle[j], vectors[changed, j])
-    return out
+def _within_range(
+    stage: Stage, rotations: Array, joints: Indices, where: Mask | None = None, free: Array | None = None
+) -> None:
+    """Put joints back into the range that they have in the recordings, over a stretch of time rather than at once.
+
+    Parameters
+    ----------
+    rotations : shape (frames, joints, 4); changed in place.
+    joints : numbers of those looked at.
+    where : frames in which a joint can be beyond at all.
+    free : 0 where a joint must stay as it is, 1 where it may be put back, shape (frames, joints looked at); everywhere if not
+        given, and then no joint is beyond its range afterwards.
+    """
+    reach = max(1, round(YIELD * stage.repertoire.fps))
+    frames = np.arange(len(rotations)) if where is None else np.nonzero(where)[0]
+    middle, low, high = stage.middle[joints], stage.low[joints], stage.high[joints]
+    vectors = blending.rotation_offset(middle, rotations[np.ix_(frames, joints)])
+    beyond = np.maximum(np.maximum(vectors - high, low - vectors), 0.0)
+    for n in np.nonzero((beyond > 1e-9).any(axis=(0, 2)))[0].tolist():
+        at = blending.rotation_offset(middle[n], rotations[:, joints[n]])
+        for axis in np.nonzero((beyond[:, n] > 1e-9).any(axis=0))[0].tolist():
+            over = np.zeros((2, len(rotations)))
+            over[0, frames] = np.maximum(vectors[:, n, axis] - high[n, axis], 0.0)
+            over[1, frames] = np.maximum(low[n, axis] - vectors[:, n, axis], 0.0)
+            back = envelope(over[0], reach) - envelope(over[1], reach)
+            if free is None:
+                at[:, axis] = np.where(
+                    back != 0.0, np.clip(at[:, axis] - back, low[n, axis], high[n, axis]), at[:, axis]
+                )
+            else:
+                at[:, axis] -= back * free[:, n]
+        rotations[:, joints[n]] = blending.add_rotation(middle[n], at)
 
 
 def envelope(values: Array, reach: int) -> Array:
@@ -476,9 +495,7 @@ def envelope(values: Array, reach: int) -> Array:
     if not values.any():
         return np.zeros_like(values)
     wide = maximum_filter1d(values, 2 * reach + 1, mode="nearest")
-    window = np.hanning(2 * reach + 3)[1:-1]
-    window /= window.sum()
-    return np.convolve(np.pad(wide, reach, mode="edge"), window, "valid")
+    return _smooth(wide, reach)
 
 
 # --- feet
@@ -487,10 +504,10 @@ def envelope(values: Array, reach: int) -> Array:
 def _standing(repertoire: Repertoire, laid: _Laid) -> Mask:
     """When the feet bear: as in the sources, but for what is too short at a cut to be a contact or a gap."""
     out = repertoire.contacts_of(laid.moments).copy()
-    shortest = round(SHORTEST_CONTACT * laid.fps)
     for k in (0, 1):
         for cut in laid.cuts.tolist():
-            for value in (False, True):
+            for value, seconds in ((False, SHORTEST_GAP), (True, SHORTEST_CONTACT)):
+                shortest = round(seconds * laid.fps)
                 for a, b in _runs_near(out[:, k] == value, cut, shortest):
                     if b - a < shortest and a > 0 and b < len(out):
                         out[a:b, k] = not value
@@ -498,9 +515,9 @@ def _standing(repertoire: Repertoire, laid: _Laid) -> Mask:
 
 
 def _runs_near(mask: Mask, cut: int, reach: int) -> list[tuple[int, int]]:
-    """Runs of True that touch the frames on either side of a cut."""
+    """Runs of True within ``reach`` frames of a cut."""
     low, high = max(0, cut - 2 * reach - 2), min(len(mask), cut + 2 * reach + 2)
-    return [(low + a, low + b) for a, b in runs(mask[low:high]) if low + a <= cut <= low + b]
+    return [(low + a, low + b) for a, b in runs(mask[low:high]) if low + a <= cut + reach and cut - reach <= low + b]
 
 
 class _Footed(NamedTuple):
@@ -512,6 +529,43 @@ class _Footed(NamedTuple):
 
 
 def _pin(stage: Stage, rotations: Array, roots: Array, standing: Mask) -> _Footed:
+    held = np.stack([_held(standing[:, k], RELEASE * stage.repertoire.fps) for k in (0, 1)], axis=-1)
+    feet = list(stage.legs.feet)
+    first = _planted(stage, rotations, roots, standing, held)
+    wanted = first.rotations[:, feet].copy()
+    _within_range(stage, first.rotations, np.array(feet))
+    if np.allclose(wanted, first.rotations[:, feet], atol=1e-6):
+        done = first
+    else:
+        # an ankle that would be bent too far turns its foot; the foot is then planted as it is turned
+        turned = first.rotations[:, feet]
+        parents = [stage.repertoire.skeleton.parents[j] for j in feet]
+        world = kinematics.global_rotations(stage.repertoire.skeleton, first.rotations)[:, parents]
+        own = kinematics.global_rotations(stage.repertoire.skeleton, rotations)[:, parents]
+        again = rotations.copy()
+        again[:, feet] = quaternion.multiply(quaternion.conjugate(own), quaternion.multiply(world, turned))
+        done = _planted(stage, again, roots, standing, held)
+    joints = np.array([*stage.legs.femurs, *stage.legs.tibias, *feet])
+    free = np.concatenate([1.0 - held, 1.0 - held, np.ones_like(held)], axis=1)
+    _within_range(stage, done.rotations, joints, free=free)
+    return _above_the_floor(stage, done)
+
+
+def _above_the_floor(stage: Stage, footed: _Footed) -> _Footed:
+    """Feet that came below the floor as joints went back into their range are raised again."""
+    skeleton = stage.repertoire.skeleton
+    known = kinematics.forward(skeleton, footed.rotations, footed.roots)
+    sunk = -stage.soles.place(known.positions, known.rotations)[..., 1].min(axis=2) - SUNK
+    if sunk.max() <= SUNK:
+        return footed
+    targets = known.positions[:, list(stage.legs.feet)].copy()
+    for k in (0, 1):
+        targets[:, k, 1] += envelope(np.maximum(sunk[:, k], 0.0), max(1, round(SOFTLY * stage.repertoire.fps)))
+    done = inverse_kinematics.reach(skeleton, footed.rotations, footed.roots, targets, limbs=stage.legs, known=known)
+    return footed._replace(rotations=done.rotations)
+
+
+def _planted(stage: Stage, rotations: Array, roots: Array, standing: Mask, held: Array) -> _Footed:
     repertoire, legs = stage.repertoire, stage.legs
     skeleton, fps = repertoire.skeleton, repertoire.fps
     known = kinematics.forward(skeleton, rotations, roots)
@@ -520,15 +574,25 @@ def _pin(stage: Stage, rotations: Array, roots: Array, standing: Mask) -> _Foote
     height = soles[..., 1] - stage.levels
     corrected = np.zeros_like(ankles)
     for k in (0, 1):
-        corrected[:, k, [0, 2]] = _unslid(soles[:, k][..., [0, 2]], height[:, k], standing[:, k], fps)
+        corrected[:, k, [0, 2]] = _unslid(soles[:, k][..., [0, 2]], height[:, k], standing[:, k], held[:, k], fps)
         corrected[:, k, 1] = _raised(soles[:, k, :, 1], standing[:, k], fps)
     targets = ankles + corrected
-    lowered = _lowering(stage, known.positions, hips, targets, standing, fps)
-    drop = np.stack([np.zeros_like(lowered), lowered, np.zeros_like(lowered)], axis=-1)
-    lower = roots - drop
-    known = known._replace(positions=known.positions - drop[:, None])
-    done = inverse_kinematics.reach(skeleton, rotations, lower, targets, limbs=legs, known=known)
-    return _Footed(done.rotations, lower, corrected, lowered, done.misses)
+    shift = _leaning(corrected, held, fps)
+    lowered = _lowering(stage, known.positions + shift[:, None], hips + shift[:, None], targets, held, fps)
+    shift[:, 1] -= lowered
+    known = known._replace(positions=known.positions + shift[:, None])
+    done = inverse_kinematics.reach(skeleton, rotations, roots + shift, targets, limbs=legs, known=known)
+    return _Footed(done.rotations, roots + shift, corrected, lowered, done.misses)
+
+
+def _leaning(corrected: Array, held: Array, fps: float) -> Array:
+    """What the body goes along with its bearing feet over the floor, so that the legs need not bear it all: (frames, 3)."""
+    reach = max(1, round(LEAN * fps))
+    weight = _smooth(held.sum(axis=1) + _FLIGHT, reach)
+    out = np.zeros((len(corrected), 3))
+    for axis in (0, 2):
+        out[:, axis] = _smooth((held * corrected[..., axis]).sum(axis=1), reach) / weight
+    return out
 
 
 def bearing(height: Array) -> Array:
@@ -538,7 +602,7 @@ def bearing(height: Array) -> Array:
     return np.asarray(weight / weight.sum(axis=-1, keepdims=True))
 
 
-def _unslid(points: Array, height: Array, standing: Mask, fps: float) -> Array:
+def _unslid(points: Array, height: Array, standing: Mask, held: Array, fps: float) -> Array:
     """What must be added to a foot's place so that it does not slide while it bears: (frames, 2).
 
     Parameters
@@ -550,19 +614,18 @@ def _unslid(points: Array, height: Array, standing: Mask, fps: float) -> Array:
         return np.zeros((frames, 2))
     share = bearing(0.5 * (height[1:] + height[:-1]))
     slid = np.einsum("fp,fpi->fi", share, np.diff(points, axis=0))
-    held = _held(standing, RELEASE * fps)
     held = np.minimum(held[1:], held[:-1])
     kept = np.concatenate([np.zeros((1, 2)), np.cumsum(-held[:, None] * slid, axis=0)])
     # one constant for each contact brings the foot near to where it was; it changes from one to the next in the air
     spans = runs(standing)
     means = np.array([kept[a:b].mean(axis=0) for a, b in spans])
     counts = np.array([b - a for a, b in spans], dtype=np.float64)
-    gaps = np.array([c - b + 1 for (_, b), (c, _) in zip(spans[:-1], spans[1:], strict=True)], dtype=np.float64) / fps
+    gaps = np.array([c - b + 1 for (_, b), (c, _) in itertools.pairwise(spans)], dtype=np.float64) / fps
     stiff = np.mean(counts) * (TOLERATED * 10.0 / np.sqrt(3.0) / (gaps**2 * GENTLE)) ** 2
     places = -_tied(means, counts, stiff)
     back = np.empty((frames, 2))
     back[: spans[0][1]] = places[0]
-    for n, ((_, b), (c, d)) in enumerate(zip(spans[:-1], spans[1:], strict=True)):
+    for n, ((_, b), (c, d)) in enumerate(itertools.pairwise(spans)):
         t = blending.ease(np.arange(1, c - b + 1) / (c - b + 1))[:, None]
         back[b:c] = places[n] + t * (places[n + 1] - places[n])
         back[c:d] = places[n + 1]
@@ -589,24 +652,31 @@ def _held(standing: Mask, reach: float) -> Array:
 
     if standing.all():
         return np.ones(len(standing))
-    away = distance_transform_edt(~standing)
-    return 1.0 - blending.ease(np.asarray(away) / (reach + 1.0))
+    away = np.asarray(distance_transform_edt(~standing))
+    return 1.0 - blending.ease((away - _MARGIN * reach) / ((1.0 - _MARGIN) * reach + 1.0))
 
 
 def _raised(height: Array, standing: Mask, fps: float) -> Array:
-    """What a foot is raised by so that its sole is on the floor while it bears, and never below: (frames,)."""
+    """What a foot is raised by so that its sole is on the floor while it bears, and never below: (frames,).
+
+    Parameters
+    ----------
+    height : of the points of its sole, shape (frames, points).
+    """
+    reach = max(1, round(SOFTLY * fps))
     lowest = height.min(axis=1)
-    held = _held(standing, LIFT * fps)
-    reach = max(1, round(0.04 * fps))
-    sunk = envelope(np.maximum(-lowest, 0.0) * (held <= 0.0), reach) if (lowest < 0.0).any() else np.zeros(len(lowest))
-    return np.maximum(-held * _calm(lowest, reach), 0.0) + np.minimum(-held * _calm(lowest, reach), 0.0) + (1.0 - held) * sunk
+    down = -_held(standing, LIFT * fps) * _smooth(lowest, reach)
+    sunk = np.maximum(-(lowest + down) - SUNK, 0.0)
+    return down + envelope(sunk, reach)
 
 
-def _calm(values: Array, reach: int) -> Array:
-    return values
+def _smooth(values: Array, reach: int) -> Array:
+    """Averaged under a Hann window of ``reach`` frames to either side."""
+    window = np.hanning(2 * reach + 3)[1:-1]
+    return np.convolve(np.pad(values, reach, mode="edge"), window / window.sum(), "valid")
 
 
-def _lowering(stage: Stage, positions: Array, hips: Array, targets: Array, standing: Mask, fps: float) -> Array:
+def _lowering(stage: Stage, positions: Array, hips: Array, targets: Array, held: Array, fps: float) -> Array:
     """How far the pelvis gives way so that the legs reach, metres, shape (frames,)."""
     legs = stage.legs
     knees, ankles = positions[:, list(legs.tibias)], positions[:, list(legs.feet)]
@@ -618,7 +688,6 @@ def _lowering(stage: Stage, positions: Array, hips: Array, targets: Array, stand
     down = -away[..., 1]
     reachable = np.sqrt(np.maximum(most**2 - flat**2, 0.0))
     need = np.maximum(down - reachable, 0.0)
-    held = np.stack([_held(standing[:, k], RELEASE * fps) for k in (0, 1)], axis=-1)
     return envelope((need * held).max(axis=1), max(1, round(SINK * fps)))
 
 
