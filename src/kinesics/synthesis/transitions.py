@@ -18,7 +18,9 @@ mirrored transitions, and those of reversed ones the reversed.
 - the feet: none that stands where the other swings, unless it changes at the seam.
 
 **The threshold** is found in the recordings (`Limits.rule`): the offset that a blend of a quarter of a second hides may be no
-larger than what the movement itself covers in that time, the median over all moments that move. In √(2D), which is a length.
+larger than what the movement itself covers in that time, the median over all moments that move, in √(2D), which is a length;
+nor larger than the median over all pairs of such moments, which in quick small movement is less; nor smaller than a body at rest
+sways (`kinesics.analysis.stillness.EPSILON`).
 
 **Stillness.** In quiet standing everything is near everything. Each recording is therefore divided into *steps*, in which the
 pose goes half of the threshold and which last .1 s at least and 1 s at most; of two steps only the nearest pair is kept, and a
@@ -35,6 +37,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import ceil
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -222,7 +225,7 @@ class _Seams:
         self.frames = repertoire.frame_count
         self.quaternions = (repertoire.poses.quaternions, repertoire.poses.mirror().quaternions)
         self.half = max(1, round(0.5 * WINDOW * self.fps))
-        self.spacing = max(1, round(spacing * self.fps))
+        self.spacing = max(1, ceil(spacing * self.fps - 1e-9))
         self.recording = repertoire.recording_of(np.arange(self.frames))
         first, end = starts[self.recording], starts[self.recording + 1]
         index = np.arange(self.frames)
@@ -323,10 +326,12 @@ def _limits(repertoire: Repertoire, threshold: float | None, weights: Array) -> 
         samples = early[moving][np.linspace(0, np.count_nonzero(moving) - 1, _SAMPLES).astype(np.intp)]
         typical = float(np.median(chord(distance(q[samples], q[samples], weights))))
         allowed = 0.5 * max(min(own, typical), EPSILON) ** 2
-        why = f"what the movement covers in {BLEND:g} s (median of the moving moments)"
+        why = f"what the movement covers in {BLEND:g} s, median of the moments that move"
         if typical < own:
-            why = f"half of all pairs of moving moments (less than {why})"
-        rule = f"√(2D) of {chord(allowed):.3f}, {why}"
+            why = f"the median of all pairs of moments that move, less than {why}"
+        if min(own, typical) < EPSILON:
+            why = "as much as a body at rest sways"
+        rule = f"√(2D) of {chord(allowed):.3f}: {why}"
     early = early[moving] if moving.any() else early
     roots = repertoire.roots_of(index)
     yaw = np.unwrap(repertoire.yaw_of(index))
@@ -372,7 +377,8 @@ def _listed(names: tuple[str, ...], most: int = 6) -> str:
 def _steps(repertoire: Repertoire, far: float, weights: Array, spacing: float) -> Indices:
     """Number of the step that each frame lies in."""
     q, fps, starts = repertoire.poses.quaternions, repertoire.fps, repertoire.starts
-    shortest, longest = max(1, round(spacing * fps)), max(1, round(STEP * fps))
+    shortest = max(1, ceil(spacing * fps - 1e-9))
+    longest = max(shortest, round(STEP * fps))
     index = np.arange(repertoire.frame_count)
     ends = starts[repertoire.recording_of(index) + 1]
     # where the step would end that began at each frame
