@@ -8,32 +8,14 @@ them. The recording is Empi (43 s at 120 fps) of the real recordings; without th
 
 from __future__ import annotations
 
-import os
 import statistics
-import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 
-from harness import Table, data_folder, main
+from harness import Table, data_folder, main, measure
 
 REPEATS = 7
-
-
-def measure(arguments: list[str], folder: str) -> tuple[float, float, float]:
-    """Wall seconds, seconds of processor time and peak MB of one run."""
-    began = time.perf_counter()
-    child = subprocess.Popen(arguments, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
-    assert child.stderr is not None
-    said = child.stderr.read().decode()
-    _, status, usage = os.wait4(child.pid, 0)
-    child.returncode = os.waitstatus_to_exitcode(status)
-    child.stderr.close()
-    seconds = time.perf_counter() - began
-    if child.returncode != 0:
-        raise SystemExit(f"{' '.join(arguments)}: exit {child.returncode}\n{said}")
-    return seconds, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / (2**20 if sys.platform == "darwin" else 2**10)
 
 
 def empi(folder: str) -> tuple[str, list[str]]:

@@ -11,6 +11,8 @@ import dataclasses
 import json
 import os
 import statistics
+import subprocess
+import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -65,6 +67,23 @@ def data_folder() -> Path | None:
     named = os.environ.get("KINESICS_DATA")
     folder = Path(named) if named else Path(__file__).resolve().parents[2] / "shared" / "data"
     return folder if folder.is_dir() else None
+
+
+def measure(
+    arguments: Sequence[str], folder: str, environment: Mapping[str, str] | None = None
+) -> tuple[float, float, float]:
+    """Wall seconds, seconds of processor time and peak MB of one run of a command, as a process of its own."""
+    began = time.perf_counter()
+    child = subprocess.Popen(arguments, cwd=folder, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    assert child.stderr is not None
+    said = child.stderr.read().decode()
+    _, status, usage = os.wait4(child.pid, 0)
+    child.returncode = os.waitstatus_to_exitcode(status)
+    child.stderr.close()
+    seconds = time.perf_counter() - began
+    if child.returncode != 0:
+        raise SystemExit(f"{' '.join(arguments)}: exit {child.returncode}\n{said}")
+    return seconds, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / (2**20 if sys.platform == "darwin" else 2**10)
 
 
 def main(run: Callable[[], Sequence[Table]], arguments: Sequence[str] | None = None) -> None:

@@ -65,6 +65,8 @@ _LIKE: Final = 0.5
 """What lies between two phrases belongs to one of them if it is nearer to it than this share of how far apart they are."""
 GAP_S: Final = 2.5
 """What recurs nowhere for so long is a movement of its own."""
+_BLOCK: Final = 1024
+"""Moments whose paths are followed at once."""
 _MARGIN_S: Final = 0.5
 _SLACK_S: Final = 1.0
 _CORE_S: Final = 10.0
@@ -244,15 +246,22 @@ def _paths(distance: Floats, widths: Sequence[int], bend: float, *, backwards: b
     less in each step, at a cost: one side stands for a moment, or goes at double speed.
     """
     steps = ((0, 0.0), (1, bend), (-1, bend)) if not backwards else ((-2, 0.0), (-1, bend), (-3, bend))
-    after, before = distance.copy(), distance.copy()
-    out: dict[int, Floats] = {}
-    scratch = np.empty_like(distance)
-    for s in range(1, max(widths) + 1):
-        after = _extended(distance, after, [(k, 1, c) for k, c in steps], scratch)
-        before = _extended(distance, before, [(-k, -1, c) for k, c in steps], scratch)
-        if s in widths:
-            worse: Floats = np.maximum(after, before)
-            out[s] = worse / np.float32(s + 1)
+    out = {w: np.empty_like(distance) for w in widths}
+    n, halo = distance.shape[1], max(widths)
+    for first in range(0, n, _BLOCK):
+        # each step looks one moment further: a block with so many beside it fits into the cache, and knows all it needs
+        low, high = max(0, first - halo), min(n, first + _BLOCK + halo)
+        last = min(n, first + _BLOCK)
+        cells = np.ascontiguousarray(distance[:, low:high])
+        after, before = cells.copy(), cells.copy()
+        scratch = np.empty_like(cells)
+        for s in range(1, halo + 1):
+            after = _extended(cells, after, [(k, 1, c) for k, c in steps], scratch)
+            before = _extended(cells, before, [(-k, -1, c) for k, c in steps], scratch)
+            if s in out:
+                inner = slice(first - low, last - low)
+                worse = np.maximum(after[:, inner], before[:, inner])
+                np.divide(worse, np.float32(s + 1), out=out[s][:, first:last])
     return out
 
 
