@@ -366,7 +366,7 @@ def test_cmu_on_bandai_namco_and_back(shared_data: Path, tmp_path: Path) -> None
     feet = [walk.skeleton.find(n) for n in ("lfoot", "rfoot", "ltoes", "rtoes", "lfemur", "rtibia")]
     apart = np.abs(back.positions()[:, feet] - walk.positions()[:, feet])
     assert apart[..., [0, 2]].max() < 0.006
-    assert apart[..., 1].max() < 0.015  # the lowest point of another foot is another point
+    assert apart[..., 1].max() < 0.02  # the lowest point of another foot is another point
     here, there = contacts.contacts(walk), contacts.contacts(out)
     assert (here.feet == there.feet).mean() > 0.93
 

@@ -36,6 +36,8 @@ _LIMBS: Final = {"left": 7, "right": 11}
 """First of the four links of each side: femur, tibia, humerus, radius."""
 _SAME_DIRECTION: Final = 1e-3
 """Radians: bones nearer than this are those of one rig, written with few digits."""
+_SETTLING: Final = 0.06
+"""Seconds, one standard deviation, over which the height is corrected: the ground passes from foot to foot without a jolt."""
 _STRETCH: Final = 1e-3
 """Metres: what joints shift by less is rounding."""
 _NEARLY_LOWEST: Final = 0.01
@@ -419,8 +421,15 @@ def _travel(
     # roughly right, so that the feet are seen to stand; then the lowest points are put where they were
     low, low_draft = _lowest(motion, draft, source, target)
     roots = draft.root_positions.copy()
-    roots[:, 1] += scale * low - low_draft
+    roots[:, 1] += _smooth(scale * low - low_draft, _SETTLING * motion.fps)
     return roots, scale
+
+
+def _smooth(values: Array, frames: float) -> Array:
+    """Gaussian mean over time; beyond its ends a curve is taken to stay as it is there."""
+    reach = int(np.ceil(4.0 * frames))
+    weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / frames) ** 2)
+    return np.convolve(np.pad(values, reach, mode="edge"), weights / weights.sum(), mode="valid")
 
 
 def _lowest(motion: Motion, draft: Motion, source: Anatomy, target: Anatomy) -> tuple[Array, Array]:
