@@ -82,6 +82,7 @@ def test_tiles_and_lags_are_parts_of_the_whole(walk: room.Moments):
     assert np.allclose(a, d[10:60, 40:100], atol=1e-6)
     assert np.allclose(b, mirrored[10:60, 40:100], atol=1e-6)
     by_lag = walk.by_lag(30, 5, 95)
+    assert np.array_equal(by_lag[0], walk.d_by_lag(30, 5, 95))
     for rows, whole in zip(by_lag, (d, mirrored), strict=True):
         for k in range(31):
             assert np.allclose(rows[k, : 90 - k], np.diagonal(whole[5:95, 5:95], k), atol=1e-6)

@@ -234,8 +234,8 @@ def measure(moments: Moments, start: int, end: int) -> Evidence | None:
     cyclic = cyclic_biased = None
     if path is not None and reach > STILL:
         # symmetries are looked for within a period
-        near = min(len(by_lag[0]), int(1.3 * path.lags.max()) + 4)
-        within = (by_lag[0][:near], by_lag[1][:near])
+        near = min(len(by_lag), int(1.3 * path.lags.max()) + 4)
+        within = moments.by_lag(near - 1, start, end)
         cyclic = cyclic_biased = _evidence.cyclic(moments, start, end, within, path)
         # averages are taken over whole periods, the middle ones
         whole = int((n - 1) / cyclic.period) * cyclic.period
@@ -249,7 +249,7 @@ def measure(moments: Moments, start: int, end: int) -> Evidence | None:
     if bias_all is not None and single is not None:
         single = _evidence.single(_bias.without(moments, bias_all), start, end)
     chosen = bias if cyclic is not None else bias_all
-    return Evidence(cyclic, cyclic_biased, single, single_biased, chosen, reach, by_lag[0])
+    return Evidence(cyclic, cyclic_biased, single, single_biased, chosen, reach, by_lag)
 
 
 def is_cyclic(seen: Evidence) -> bool:

@@ -306,7 +306,7 @@ def _way(moments: Moments, start: int, end: int) -> Array:
         d = (
             0.5 * (moments.speed[start + 1 : end] / moments.fps) ** 2
             if span == 1
-            else moments.by_lag(span, start, end)[0][span, : n - span].astype(np.float64)
+            else moments.d_by_lag(span, start, end)[span, : n - span].astype(np.float64)
         )
         smooth = np.convolve(np.pad(d, 1, mode="edge"), np.ones(3) / 3.0, "valid")
         first = (span + 1) // 2
@@ -363,12 +363,12 @@ def folded(distance: Distances, weight: Array) -> tuple[float, int]:
     return float(ends[centre]), centre
 
 
-def find_period(moments: Moments, start: int, end: int) -> tuple[tuple[Distances, Distances], lags.LagPath | None]:
-    """D and D* of the stretch by lag, and the path of the shortest period in it, if there is one."""
+def find_period(moments: Moments, start: int, end: int) -> tuple[Distances, lags.LagPath | None]:
+    """D of the stretch by lag, and the path of the shortest period in it, if there is one."""
     most = period.longest_lag(end - start, moments.fps)
-    by_lag = moments.by_lag(most, start, end)
-    path = period.find(by_lag[0], shortest=max(3.0, period.SHORTEST_S * moments.fps))
+    by_lag = moments.d_by_lag(most, start, end)
+    path = period.find(by_lag, shortest=max(3.0, period.SHORTEST_S * moments.fps))
     if path is not None:
         # the search looked from trial lags with a wide band; a narrow one about what it found reaches further
-        path = lags.follow(by_lag[0], path.lag, bend=lags.bend_cost(by_lag[0]), band=_NARROW) or path
+        path = lags.follow(by_lag, path.lag, bend=lags.bend_cost(by_lag), band=_NARROW) or path
     return by_lag, path
