@@ -26,7 +26,7 @@ from kinesics.geometry import quaternion
 
 Array = NDArray[np.float64]
 
-SHORTEST: Final = 0.08
+SHORTEST: Final = 0.1
 """Seconds that a transition takes to either side of the cut, at least."""
 LONGEST: Final = 0.4
 """At most: a longer one would show a movement that is neither the one nor the other."""

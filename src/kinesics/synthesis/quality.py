@@ -235,10 +235,10 @@ def _nearest(motion: Motion, repertoire: Repertoire) -> Array:
 
 
 def _beyond(motion: Motion, stage: Stage) -> Array:
-    """Radians by which each joint but the root is beyond its range, shape (frames, joints)."""
+    """Radians by which each joint but those the body hangs on is beyond its range, shape (frames, joints)."""
     vectors = quaternion.as_rotvec(quaternion.multiply(quaternion.conjugate(stage.middle), motion.rotations))
     out = np.maximum(np.maximum(stage.low - vectors, vectors - stage.high), 0.0).max(axis=-1)
-    out[:, 0] = 0.0
+    out[:, : stage.carrier + 1] = 0.0
     return np.asarray(out)
 
 

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import itertools
 import weakref
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final, NamedTuple
@@ -43,6 +43,8 @@ Indices = NDArray[np.intp]
 
 YARDSTICK: Final = 0.99
 """Quantile of the recordings' own accelerations that a transition may not exceed."""
+SPARED: Final = 0.5
+"""Share of that acceleration which the transition may add to the recordings' own."""
 BEARING: Final = 0.008
 """Metres: a point of the sole this much above the lowest bears e times less."""
 RELEASE: Final = 0.07
@@ -144,6 +146,8 @@ class Stage:
     """Joints that set the length of a transition: those of the body, not fingers or toes; and the root's place."""
     middle: Array
     """Mean rotation of each joint over all recordings and mirror images, shape (joints, 4)."""
+    carrier: int
+    """Joint that the body hangs on: the root, or the pelvis where the root joint does nothing but stand beneath it."""
     low: Array
     """Least and greatest component of the rotation vector of each joint from its mean, radians, shape (joints, 3)."""
     high: Array
@@ -169,14 +173,20 @@ class Stage:
         legs = inverse_kinematics.legs(skeleton, repertoire.rotations[0][:: max(1, repertoire.frame_count // 4000)])
         strands = (0, 1) if repertoire.mirrored else (0,)
         rotations = repertoire.rotations[list(strands)]
-        inside = _inner(repertoire)
         accelerations = np.full(skeleton.joint_count + 1, 1e-6)
+        # over a thirtieth of a second to either side: from frame to frame it would be the tremble of the markers
+        w = max(1, round(fps / 30.0))
+        inside = _inner(repertoire, w)
         if len(inside):
-            velocity = blending.angular_velocity(rotations[:, :-1], rotations[:, 1:], 1.0 / fps)
-            change = np.linalg.norm(np.diff(velocity, axis=1), axis=-1)[:, inside - 1] * fps
+            seconds = w / fps
+            at = rotations[:, inside]
+            before = blending.rotation_offset(rotations[:, inside - w], at)
+            after = blending.rotation_offset(at, rotations[:, inside + w])
+            change = np.linalg.norm(after - before, axis=-1) / seconds**2
             accelerations[:-1] = np.quantile(change.reshape(-1, skeleton.joint_count), YARDSTICK, axis=0)
-            place = np.diff(repertoire.root_positions[0], n=2, axis=0)[inside - 1] * fps**2
-            accelerations[-1] = np.quantile(np.linalg.norm(place, axis=-1), YARDSTICK)
+            place = repertoire.root_positions[0]
+            change = place[inside + w] - 2.0 * place[inside] + place[inside - w]
+            accelerations[-1] = np.quantile(np.linalg.norm(change, axis=-1), YARDSTICK) / seconds**2
         middle = np.empty((skeleton.joint_count, 4))
         flat = rotations.reshape(-1, skeleton.joint_count, 4)
         middle[:] = quaternion.mean(flat[:: max(1, len(flat) // 4000)])
@@ -190,6 +200,7 @@ class Stage:
             accelerations,
             _body_joints(repertoire),
             middle,
+            _carrier(repertoire),
             vectors.min(axis=0),
             vectors.max(axis=0),
         )
@@ -198,12 +209,38 @@ class Stage:
 _stages: weakref.WeakKeyDictionary[Repertoire, Stage] = weakref.WeakKeyDictionary()
 
 
-def _inner(repertoire: Repertoire) -> Indices:
-    """Frames that have a neighbour on both sides in their own recording."""
-    inside = np.ones(repertoire.frame_count, dtype=np.bool_)
-    inside[repertoire.starts[:-1]] = False
-    inside[repertoire.starts[1:] - 1] = False
+def _inner(repertoire: Repertoire, reach: int) -> Indices:
+    """Frames that have ``reach`` frames of their own recording before and behind them."""
+    inside = np.zeros(repertoire.frame_count, dtype=np.bool_)
+    for a, b in itertools.pairwise(repertoire.starts.tolist()):
+        inside[a + reach : max(a, b - reach)] = True
     return np.nonzero(inside)[0]
+
+
+def _carrier(repertoire: Repertoire) -> int:
+    """The pelvis, if nothing else hangs on the joints above it; else the root."""
+    skeleton = repertoire.skeleton
+    assert skeleton.anatomy is not None
+    joint = pelvis = skeleton.anatomy.pelvis
+    while joint > 0:
+        joint = skeleton.parents[joint]
+        if len(skeleton.children[joint]) > 1:
+            return 0
+    return pelvis
+
+
+def _turned(repertoire: Repertoire, carrier: int, rotations: Array, yaw: Array) -> None:
+    """Turn bodies (frames, joints, 4) about the vertical, in place, by turning the joint that they hang on."""
+    turn = _about_y(yaw)
+    above: Array | None = None
+    joint = carrier
+    while joint > 0:
+        joint = repertoire.skeleton.parents[joint]
+        own = rotations[:, joint]
+        above = own if above is None else quaternion.multiply(own, above)
+    if above is not None:
+        turn = quaternion.multiply(quaternion.conjugate(above), quaternion.multiply(turn, above))
+    rotations[:, carrier] = quaternion.multiply(turn, rotations[:, carrier])
 
 
 def _body_joints(repertoire: Repertoire) -> Indices:
@@ -253,11 +290,11 @@ def render(
     if origin.shape != (2,) or not np.isfinite(origin).all() or not np.isfinite(heading):
         raise InputError(f"Expected `start` as finite x, z and a finite `heading`, got {start!r} and {heading!r}.")
     stage = Stage.of(network.repertoire)
-    laid = _lay(network, chosen, origin, float(heading), extra)
+    laid = _lay(stage, network, chosen, origin, float(heading), extra)
     blended = _blend(stage, laid)
     rotations, roots = blended.rotations, blended.roots
     if len(laid.cuts):
-        _within_range(stage, rotations, np.arange(1, rotations.shape[1]), blended.weight < 1.0)
+        _within_range(stage, rotations, np.arange(stage.carrier + 1, rotations.shape[1]), blended.weight < 1.0)
     standing = _standing(network.repertoire, laid)
     if pinned:
         footed = _pin(stage, rotations, roots, standing)
@@ -336,8 +373,8 @@ class _Laid:
         return near
 
 
-def _lay(network: Network, chosen: Indices, origin: Array, heading: float, extra: Array) -> _Laid:
-    repertoire = network.repertoire
+def _lay(stage: Stage, network: Network, chosen: Indices, origin: Array, heading: float, extra: Array) -> _Laid:
+    repertoire, carrier = stage.repertoire, stage.carrier
     fps = repertoire.fps
     lengths = network.length[chosen]
     ends = np.cumsum(lengths)
@@ -363,7 +400,7 @@ def _lay(network: Network, chosen: Indices, origin: Array, heading: float, extra
     roots[:, 0] = origin[0] + np.concatenate([[0.0], np.cumsum(x)[:-1]])
     roots[:, 2] = origin[1] + np.concatenate([[0.0], np.cumsum(z)[:-1]])
     rotations = repertoire.rotations_of(moments)
-    rotations[:, 0] = quaternion.multiply(_about_y(yaw), rotations[:, 0])
+    _turned(repertoire, carrier, rotations, yaw)
 
     jumps = np.nonzero(first[1:] != onward[:-1])[0] + 1
     cuts = begins[jumps]
@@ -373,7 +410,7 @@ def _lay(network: Network, chosen: Indices, origin: Array, heading: float, extra
     if len(cuts):
         world = turn + bent[:-1]
         offsets, velocities = _seams(
-            repertoire, onward[jumps - 1], world[jumps - 1] + extra[jumps - 1], first[jumps], world[jumps]
+            repertoire, carrier, onward[jumps - 1], world[jumps - 1] + extra[jumps - 1], first[jumps], world[jumps]
         )
     bounds = np.concatenate([[0], cuts, [frames]])
     room = np.stack([cuts - bounds[:-2], bounds[2:] - cuts], axis=-1) / fps
@@ -381,7 +418,7 @@ def _lay(network: Network, chosen: Indices, origin: Array, heading: float, extra
 
 
 def _seams(
-    repertoire: Repertoire, left: Indices, left_yaw: Array, entered: Indices, entered_yaw: Array
+    repertoire: Repertoire, carrier: int, left: Indices, left_yaw: Array, entered: Indices, entered_yaw: Array
 ) -> tuple[Array, Array]:
     """Offsets of what is entered from what is left, and how quickly they change, shapes (cuts, joints + 1, 3)."""
     fps = repertoire.fps
@@ -392,7 +429,7 @@ def _seams(
         sides = []
         for moments, yaw in ((np.where(there, a, left), left_yaw), (np.where(there, b, entered), entered_yaw)):
             q = repertoire.rotations_of(moments)
-            q[:, 0] = quaternion.multiply(_about_y(yaw), q[:, 0])
+            _turned(repertoire, carrier, q, yaw)
             sides.append((q, quaternion.rotate(_about_y(yaw), repertoire.roots_of(moments))))
         turned = blending.rotation_offset(sides[0][0], sides[1][0])
         moved = sides[1][1] - sides[0][1]
@@ -433,7 +470,11 @@ def _blend(stage: Stage, laid: _Laid) -> _Blended:
         size, speed = np.linalg.norm(laid.offsets[k], axis=-1), np.linalg.norm(laid.velocities[k], axis=-1)
         which = stage.blended
         span = blending.window(
-            size[which], speed[which], stage.accelerations[which], before=laid.room[k, 0], after=laid.room[k, 1]
+            size[which],
+            speed[which],
+            SPARED * stage.accelerations[which],
+            before=laid.room[k, 0],
+            after=laid.room[k, 1],
         )
         a = max(0, cut - int(np.ceil(span.before * laid.fps)))
         b = min(frames, cut + int(np.ceil(span.after * laid.fps)) + 1)
@@ -570,7 +611,7 @@ def _planted(stage: Stage, rotations: Array, roots: Array, standing: Mask, held:
     skeleton, fps = repertoire.skeleton, repertoire.fps
     known = kinematics.forward(skeleton, rotations, roots)
     soles = stage.soles.place(known.positions, known.rotations)
-    hips, ankles = known.positions[:, list(legs.femurs)], known.positions[:, list(legs.feet)]
+    ankles = known.positions[:, list(legs.feet)]
     height = soles[..., 1] - stage.levels
     corrected = np.zeros_like(ankles)
     for k in (0, 1):
@@ -578,7 +619,7 @@ def _planted(stage: Stage, rotations: Array, roots: Array, standing: Mask, held:
         corrected[:, k, 1] = _raised(soles[:, k, :, 1], standing[:, k], fps)
     targets = ankles + corrected
     shift = _leaning(corrected, held, fps)
-    lowered = _lowering(stage, known.positions + shift[:, None], hips + shift[:, None], targets, held, fps)
+    lowered = _lowering(stage, known.positions + shift[:, None], targets, held, fps)
     shift[:, 1] -= lowered
     known = known._replace(positions=known.positions + shift[:, None])
     done = inverse_kinematics.reach(skeleton, rotations, roots + shift, targets, limbs=legs, known=known)
@@ -676,18 +717,21 @@ def _smooth(values: Array, reach: int) -> Array:
     return np.convolve(np.pad(values, reach, mode="edge"), window / window.sum(), "valid")
 
 
-def _lowering(stage: Stage, positions: Array, hips: Array, targets: Array, held: Array, fps: float) -> Array:
-    """How far the pelvis gives way so that the legs reach, metres, shape (frames,)."""
+def _need(stage: Stage, positions: Array, targets: Array) -> Array:
+    """How far each hip must come down for its leg to reach, metres, shape (frames, 2)."""
     legs = stage.legs
-    knees, ankles = positions[:, list(legs.tibias)], positions[:, list(legs.feet)]
+    hips, knees, ankles = (positions[:, list(joints)] for joints in (legs.femurs, legs.tibias, legs.feet))
     length = np.linalg.norm(knees - hips, axis=-1) + np.linalg.norm(ankles - knees, axis=-1)
     now = np.linalg.norm(ankles - hips, axis=-1)
     most = np.minimum(np.maximum(now, inverse_kinematics.SOFT * length), inverse_kinematics.STRAIGHTEST * length)
     away = targets - hips
     flat = np.linalg.norm(away[..., [0, 2]], axis=-1)
-    down = -away[..., 1]
-    reachable = np.sqrt(np.maximum(most**2 - flat**2, 0.0))
-    need = np.maximum(down - reachable, 0.0)
+    return np.asarray(np.maximum(-away[..., 1] - np.sqrt(np.maximum(most**2 - flat**2, 0.0)), 0.0))
+
+
+def _lowering(stage: Stage, positions: Array, targets: Array, held: Array, fps: float) -> Array:
+    """How far the pelvis gives way so that the legs reach, metres, shape (frames,)."""
+    need = _need(stage, positions, targets)
     return envelope((need * held).max(axis=1), max(1, round(SINK * fps)))
 
 
@@ -717,3 +761,245 @@ def _provenance(network: Network, laid: _Laid, weight: Array) -> Provenance:
         transition=weight < 1.0,
         weight=weight,
     )
+
+
+# --- live
+
+
+class LiveFrame(NamedTuple):
+    """One frame, as it is performed."""
+
+    rotations: Array
+    """Of all joints relative to their parents, shape (joints, 4)."""
+    root: Array
+    """Place of the root, metres, shape (3,)."""
+
+
+class LiveRenderer:
+    """Performs paths frame by frame, as they are chosen: nothing is known of what comes.
+
+    A transition takes its whole offset away after the cut (`kinesics.synthesis.blending.one_sided`); a foot stays where it
+    came down, and comes back to its place in the recording while it swings. An iterator of `LiveFrame`; it ends when the
+    paths do.
+
+    Parameters
+    ----------
+    network : of the paths.
+    paths : numbers of paths, each a successor of the one before; the next is asked for as the one before has ended.
+    start, heading : see `render`.
+    pinned : whether feet are kept in place.
+
+    Raises
+    ------
+    InputError
+        If ``start`` or ``heading`` is not finite; on the way, if a path does not follow the one before.
+    """
+
+    def __init__(
+        self,
+        network: Network,
+        paths: Iterable[int],
+        *,
+        start: ArrayLike = (0.0, 0.0),
+        heading: float = 0.0,
+        pinned: bool = True,
+    ) -> None:
+        origin = np.asarray(start, dtype=np.float64)
+        if origin.shape != (2,) or not np.isfinite(origin).all() or not np.isfinite(heading):
+            raise InputError(f"Expected `start` as finite x, z and a finite `heading`, got {start!r} and {heading!r}.")
+        self.network, self.pinned = network, pinned
+        self.stage = Stage.of(network.repertoire)
+        self._paths = iter(paths)
+        self._feet = _LiveFeet(self.stage)
+        joints = network.repertoire.skeleton.joint_count
+        self.path = -1
+        """Number of the path that is being performed, −1 before the first frame."""
+        self.moment = -1
+        """Moment of the repertoire that is being performed."""
+        self.place = origin.copy()
+        """Where the root goes next, x and z, metres: where the next path begins, once a path has ended."""
+        self.heading = float(heading)
+        """The same of the heading, radians."""
+        self._left = 0
+        self._turn = 0.0
+        self._onward = -1
+        self._offset = np.zeros((joints + 1, 3))
+        self._velocity = np.zeros((joints + 1, 3))
+        self._since = np.inf
+        self._duration = 1.0
+
+    def __iter__(self) -> LiveRenderer:
+        """Itself."""
+        return self
+
+    def __next__(self) -> LiveFrame:
+        """The next frame."""
+        return self.step()
+
+    def step(self) -> LiveFrame:
+        """The next frame.
+
+        Raises
+        ------
+        StopIteration
+            If the paths have ended.
+        """
+        repertoire = self.network.repertoire
+        if self._left == 0:
+            self._begin(next(self._paths))
+        else:
+            self.moment = int(repertoire.advance(self.moment, 1))
+        self._left -= 1
+        now = np.array([self.moment])
+        rotations, root = repertoire.rotations_of(now), repertoire.roots_of(now)[0].copy()
+        _turned(repertoire, self.stage.carrier, rotations, np.array([self._turn]))
+        onward = repertoire.advance(now, 1)
+        moved = repertoire.roots_of(onward)[0] - root
+        height = root[1]
+        root = np.array([self.place[0], height, self.place[1]])
+        cosine, sine = np.cos(self._turn), np.sin(self._turn)
+        self.place += cosine * moved[0] + sine * moved[2], -sine * moved[0] + cosine * moved[2]
+        self.heading = float(repertoire.yaw_of(onward)[0]) + self._turn
+        if self._since < self._duration:
+            added = blending.decay(self._offset, self._velocity, np.full(1, self._since), self._duration)
+            rotations[0] = self._inside(blending.add_rotation(rotations[0], added[:-1]))
+            root += added[-1]
+            self._since += 1.0 / repertoire.fps
+        if self.pinned:
+            return self._feet.step(rotations, root, self.moment)
+        return LiveFrame(rotations[0], root)
+
+    def _begin(self, path: int) -> None:
+        network, repertoire = self.network, self.network.repertoire
+        path = int(path)
+        if not 0 <= path < len(network):
+            raise InputError(f"Expected a path below {len(network)}, got {path}.")
+        first = int(network.first[path])
+        if self.path < 0:
+            self._turn = self.heading - float(repertoire.yaw_of(first))
+        else:
+            if path not in network.successors(self.path):
+                raise InputError(f"Path {path} does not follow path {self.path}.")
+            left = int(network.onward[self.path])
+            if first != left:
+                self._cut(left, first)
+        self.path, self.moment, self._left = path, first, int(network.length[path])
+
+    def _cut(self, left: int, first: int) -> None:
+        repertoire, stage = self.network.repertoire, self.stage
+        turn = self._turn + float(repertoire.yaw_of(left)) - float(repertoire.yaw_of(first))
+        offsets, velocities = _seams(
+            repertoire,
+            stage.carrier,
+            np.array([left]),
+            np.array([self._turn]),
+            np.array([first]),
+            np.array([turn]),
+        )
+        # what is still left of the last transition goes along
+        rest, speed = np.zeros_like(self._offset), np.zeros_like(self._velocity)
+        if self._since < self._duration:
+            dt = 0.5 / repertoire.fps
+            at = np.array([max(self._since - dt, 0.0), self._since, self._since + dt])
+            before, rest, after = (
+                blending.decay(self._offset, self._velocity, np.full(1, t), self._duration) for t in at
+            )
+            speed = (after - before) / (at[2] - at[0])
+        self._offset, self._velocity = rest - offsets[0], speed - velocities[0]
+        which = stage.blended
+        span = blending.window(
+            np.linalg.norm(self._offset[which], axis=-1),
+            np.linalg.norm(self._velocity[which], axis=-1),
+            SPARED * stage.accelerations[which],
+        )
+        # one side alone has twice the offset to take away
+        self._duration = min(np.sqrt(2.0) * span.after, blending.LONGEST)
+        self._since = 0.0
+        self._turn = turn
+
+    def _inside(self, rotations: Array) -> Array:
+        """Joints of the body within their range, shape (joints, 4)."""
+        stage = self.stage
+        vectors = blending.rotation_offset(stage.middle, rotations)
+        beyond = np.any((vectors < stage.low) | (vectors > stage.high), axis=-1)
+        beyond[: stage.carrier + 1] = False
+        if beyond.any():
+            held = np.clip(vectors[beyond], stage.low[beyond], stage.high[beyond])
+            rotations[beyond] = blending.add_rotation(stage.middle[beyond], held)
+        return rotations
+
+
+class _LiveFeet:
+    """Keeps feet in place knowing only the past, and what the recordings themselves would do next."""
+
+    def __init__(self, stage: Stage) -> None:
+        self.stage = stage
+        repertoire = stage.repertoire
+        fps = repertoire.fps
+        self._held, self._near = _holds(repertoire, RELEASE * fps), _holds(repertoire, LIFT * fps)
+        self._soles: Array | None = None
+        self._height = np.zeros((2, 3))
+        self._shift = np.zeros((2, 2))
+        self._lift = np.zeros(2)
+        self._hold = np.zeros(2)
+        self._lean = np.zeros(2)
+        self._drop = 0.0
+        self._fps = fps
+
+    def step(self, rotations: Array, root: Array, moment: int) -> LiveFrame:
+        """Plant the feet of one frame: rotations of shape (1, joints, 4)."""
+        stage, dt = self.stage, 1.0 / self._fps
+        skeleton, legs = stage.repertoire.skeleton, stage.legs
+        frame, strand = moment % stage.repertoire.frame_count, moment // stage.repertoire.frame_count
+        known = kinematics.forward(skeleton, rotations, root[None])
+        soles = stage.soles.place(known.positions, known.rotations)[0]
+        height = soles[..., 1] - stage.levels
+        lowest = soles[..., 1].min(axis=1)
+        held, near = self._held[strand % 2, frame], self._near[strand % 2, frame]
+        # at a cut a foot may be grasped or let go from one frame to the next: not so quickly
+        self._hold += np.clip(held - self._hold, -dt / RELEASE, dt / _GRASP)
+        if self._soles is None:
+            self._hold = held.copy()
+            self._lift = -near * lowest
+        else:
+            share = bearing(0.5 * (height + self._height))
+            slid = np.einsum("kp,kpi->ki", share, (soles - self._soles)[..., [0, 2]])
+            free = 1.0 - self._hold
+            self._shift += -self._hold[:, None] * slid - (free * _eased(dt, RETURN))[:, None] * self._shift
+        self._soles, self._height = soles, height
+        self._lift += _eased(dt, SOFTLY) * (-near * lowest - self._lift)
+        lift = np.maximum(self._lift, -lowest - SUNK)
+        toward = (self._hold[:, None] * self._shift).sum(axis=0) / (self._hold.sum() + _FLIGHT)
+        self._lean += _eased(dt, LEAN) * (toward - self._lean)
+        corrected = np.stack([self._shift[:, 0], lift, self._shift[:, 1]], axis=-1)
+        targets = known.positions[:, list(legs.feet)] + corrected
+        shift = np.array([self._lean[0], 0.0, self._lean[1]])
+        need = float((_need(stage, known.positions + shift, targets) * self._hold).max())
+        self._drop += _eased(dt, 0.25 * SINK if need > self._drop else SINK) * (need - self._drop)
+        shift[1] = -self._drop
+        known = known._replace(positions=known.positions + shift)
+        done = inverse_kinematics.reach(skeleton, rotations, (root + shift)[None], targets, limbs=legs, known=known)
+        return LiveFrame(done.rotations[0], root + shift)
+
+
+_GRASP: Final = 0.03
+"""Seconds in which a foot that is on the ground after a cut is grasped."""
+RETURN: Final = 0.12
+"""Seconds in which, live, a swinging foot comes back to its place in the recording by two thirds."""
+
+
+def _eased(dt: float, seconds: float) -> float:
+    """Share of the way that is gone in ``dt`` by what goes two thirds in ``seconds``."""
+    return float(-np.expm1(-dt / seconds))
+
+
+def _holds(repertoire: Repertoire, reach: float) -> Array:
+    """`_held` of every frame, of both feet, as recorded and mirrored: shape (2, frames, 2)."""
+    out = np.zeros((2, repertoire.frame_count, 2))
+    for a, b in itertools.pairwise(repertoire.starts.tolist()):
+        for k in (0, 1):
+            standing = repertoire.contacts[0, a:b, k]
+            if standing.any():
+                out[0, a:b, k] = _held(standing, reach)
+    out[1] = out[0, :, ::-1]
+    return out
