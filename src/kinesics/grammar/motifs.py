@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.grammar import lags
+from kinesics.grammar.linkage import clusters
 from kinesics.grammar.moments import Moments
 from kinesics.grammar.phrases import RATE, STILL, spread, thinned
 from kinesics.progress import Progress, silent
@@ -641,14 +642,9 @@ def _calm(moments: Moments) -> NDArray[np.intp]:
 
 def _groups(distance: Array, near: float) -> list[NDArray[np.intp]]:
     """Marks merged under average linkage, groups in order of their first member."""
-    from scipy.cluster.hierarchy import fcluster, linkage
-    from scipy.spatial.distance import squareform
-
     even = 0.5 * (distance + distance.T)
-    np.fill_diagonal(even, 0.0)
-    labels = fcluster(linkage(squareform(even, checks=False), "average"), near, "distance")
-    firsts = {int(label): int(np.flatnonzero(labels == label)[0]) for label in np.unique(labels)}
-    return [np.flatnonzero(labels == label) for label in sorted(firsts, key=lambda k: firsts[k])]
+    labels = clusters(even, near, "average")
+    return [np.flatnonzero(labels == label) for label in range(int(labels.max()) + 1)]
 
 
 def _visits(moments: Moments, marks: NDArray[np.intp], near: float) -> list[int]:

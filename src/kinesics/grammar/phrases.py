@@ -29,6 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.grammar import lags
+from kinesics.grammar.linkage import clusters
 from kinesics.grammar.moments import Moments
 from kinesics.similarity import chord
 
@@ -584,13 +585,7 @@ def _kinds(coarse: Moments, pieces: list[_Piece]) -> list[int]:
         both[np.ix_(rests, rests)] = np.where(chord(held.astype(np.float64)) <= 2.0 * _sway(coarse), 0.0, 2.0)
     if count == 1:
         return [0]
-    from scipy.cluster.hierarchy import fcluster, linkage
-    from scipy.spatial.distance import squareform
-
-    np.fill_diagonal(both, 0.0)
-    groups = fcluster(linkage(squareform(both, checks=False), "average"), _KIN, "distance")
-    numbers: dict[int, int] = {}
-    return [numbers.setdefault(int(g), len(numbers)) for g in groups]
+    return [int(k) for k in clusters(both, _KIN, "average")]
 
 
 def _found(coarse: Moments, piece: _Piece, starts: NDArray[np.intp], samples: int = _SAMPLES) -> Array:

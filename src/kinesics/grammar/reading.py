@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from kinesics.grammar import ground, lags
 from kinesics.grammar.cyclic import Cyclic
 from kinesics.grammar.ground import Mark, Nearness
+from kinesics.grammar.linkage import clusters
 from kinesics.grammar.moments import Moments
 from kinesics.progress import Progress, silent
 from kinesics.similarity import chord
@@ -125,11 +126,12 @@ def _chords(moments: Moments, rows: NDArray[np.intp], columns: NDArray[np.intp])
 
 def _complete_linkage(moments: Moments, index: NDArray[np.intp], limit: float) -> NDArray[np.intp]:
     """Number of the cluster of each moment: no two in a cluster are further apart than ``limit``."""
+    count = len(index)
+    if count <= _FEW_MARKS:
+        upper = np.triu(_chords(moments, index, index), 1)
+        return clusters(upper + upper.T, limit, "complete")
     from scipy.cluster.hierarchy import fcluster, linkage
 
-    count = len(index)
-    if count == 1:
-        return np.zeros(1, dtype=np.intp)
     condensed = np.empty(count * (count - 1) // 2)
     step = max(1, _CELLS // count)
     end = 0
@@ -322,6 +324,8 @@ def _visits(seen: _Seen, states: Sequence[ReadState]) -> list[Visit]:
 _POINTS: Final = 24
 _CELLS: Final = 4_000_000
 """Distances that are asked for at once."""
+_FEW_MARKS: Final = 500
+"""So many are clustered sooner than SciPy is imported."""
 _MOST_MARKS: Final = 6000
 """Marks that are compared all with all: what ten minutes have."""
 _CLOSEST: Final = 0.25
