@@ -224,10 +224,10 @@ def test_states_that_return() -> None:
 
 
 def test_frames_instead_of_moments() -> None:
-    """At 120 frames a second frames are four times the moments, and the end of the last stays within the recording."""
+    """At 120 frames a second frames are those at the time of the moments, and the end of the last stays within the recording."""
     moments = from_poses(planted(120.0)[0])
     found = motifs.find_motifs(moments)
     for a, b in zip(found, motifs.in_frames(moments, found), strict=True):
-        assert [(m.start * 4, min(m.end * 4, moments.source_frames)) for m in a.members] == [
-            (m.start, m.end) for m in b.members
-        ]
+        assert [
+            tuple(min(round(moments.lead) + 4 * k, moments.source_frames) for k in (m.start, m.end)) for m in a.members
+        ] == [(m.start, m.end) for m in b.members]

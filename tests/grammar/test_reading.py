@@ -11,6 +11,7 @@ import pytest
 import kinesics as kx
 from kinesics.grammar import assembly, classes, cyclic, moments, reading
 from kinesics.grammar.graph import MotionGraph
+from kinesics.grammar.whole import read_grammar
 from kinesics.performer.random_graphs import covering_steps, random_graph
 from kinesics.vocabulary import MovementClass as C
 from performed_graphs import performed
@@ -144,3 +145,13 @@ def test_classes_lead_to_graphs_on_real_exercises(shared_data: Path) -> None:
     graph = assembly.assemble(reading.read(m, [stretch]), m, "jacks")
     assert [p.reversible for p in graph.paths] == [True]
     assert [s.symmetric for s in graph.states] == [True, True]
+
+
+@pytest.mark.parametrize(("fps", "seed"), [(30.0, 1), (60.0, 2), (120.0, 1)])
+def test_the_sun_salutation(fps: float, seed: int) -> None:
+    """The graph of §3.6.1 is read: one leg goes back after the other on a way of its own, and both return together."""
+    done = kx.performer.sun_salutation(fps=fps, seed=seed, noise_degrees=0.5)
+    graph = read_grammar(kx.poses(done.motion)).graph
+    assert graph is not None
+    assert graph.isomorphic_to(performed(done.truth))
+    assert [p.reversible for p in graph.paths if not p.symmetric] == [False]

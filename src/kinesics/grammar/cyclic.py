@@ -106,7 +106,8 @@ def _stops_between(moments: Moments, anchors: Sequence[Anchor]) -> bool:
     for a, b in pairwise(anchors):
         way = moments.speed[a.moment + 1 : b.moment + 1]
         middle = way[len(way) // 4 : len(way) - len(way) // 4]
-        if len(middle) and float(np.mean(middle < _SLOW * np.quantile(way, 0.9))) > _STOPPED:
+        slow = np.count_nonzero(middle < _SLOW * np.quantile(way, 0.9)) if len(middle) else 0
+        if slow > max(1, _STOPPED * len(middle)):
             stops += 1
     return stops > _STOPS * (len(anchors) - 1)
 

@@ -99,7 +99,7 @@ def judge_nearness(moments: Moments) -> Nearness:
         state=float(np.clip(6.0 * same, 0.15 * spread, max(0.2 * spread, 1.5 * same))),
         visit=float(np.clip(4.0 * same, 0.04 * spread, max(0.15 * spread, 1.2 * same))),
         away=max(8.0 * same, 0.25 * spread),
-        path=float(np.clip(5.0 * same, 0.06 * spread, max(0.2 * spread, 3.0 * same))),
+        path=float(np.clip(5.0 * same, 0.025 * spread, max(0.2 * spread, 3.0 * same))),
     )
 
 
@@ -259,7 +259,7 @@ def find_marks(moments: Moments, place: Ground, near: Nearness, breaks: Sequence
         if not place.new[start]:
             marks += [Mark(t, True) for t in _turns_on_ground(moments, place.where[start:end], start, near)]
     reach = min(n - 1, max(2, round(_TURN_REACH * moments.fps)))
-    d, _ = moments.by_lag(reach)
+    d = moments.d_by_lag(reach)
     marks += [Mark((a + b) // 2, True) for a, b in _stops(d, near, max(2, round(STOP_S * moments.fps)))]
     slow = _local_minima(moments.speed)
     slow = [t for t in slow if all(abs(t - b) > 1 for b in breaks)]

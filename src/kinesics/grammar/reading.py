@@ -37,6 +37,10 @@ BREAK: Final = -1
 """In place of a path, between the last visit of one recording and the first of the next."""
 
 
+_AS_WELL: Final = 0.1
+"""Of the distance up to which two traversals are one path: what fits so nearly as well as the best fits as well."""
+
+
 class Visit(NamedTuple):
     """The movement is in a state."""
 
@@ -402,9 +406,11 @@ def _traverse(
                 for k, group in groupby(trials, key=lambda trial: trial[0])
             ]
             costs = seen.distances((a.at, b.at), others)
-            best = int(np.argmin(costs))
-            if costs[best] < near.path:
-                out.append(note(number, *trials[best]))
+            best = float(np.min(costs))
+            if best < near.path:
+                # a path that is its own image fits more than one way: then it is taken as it is, not backwards or mirrored
+                fits = [trial for trial, cost in zip(trials, costs, strict=True) if cost <= best + _AS_WELL * near.path]
+                out.append(note(number, *min(fits, key=lambda trial: trial[1] + trial[2])))
                 continue
         told = symmetric.get(keys[number][0][0]) if number in keys else None
         for reverse, mirror, ends in (
@@ -421,7 +427,10 @@ def _traverse(
 
 
 def _traceless(states: Sequence[ReadState], visits: Sequence[Visit], traversals: Sequence[Traversal]) -> set[int]:
-    """States with one way in and one way out, no stop, no turning back, not symmetric."""
+    """States with one way in and one way out, no stop, no turning back, not symmetric.
+
+    Who passes a symmetric pose leaves a trace there, unless all of his movement is symmetric: then no pose is a state for being so.
+    """
     ways: dict[int, set[frozenset[tuple[int, bool, bool]]]] = {k: set() for k in range(len(states))}
     ends: dict[int, set[tuple[int, bool, bool]]] = {k: set() for k in range(len(states))}
     for visit, before, after in zip(visits[1:-1], traversals[:-1], traversals[1:], strict=True):
@@ -434,11 +443,7 @@ def _traceless(states: Sequence[ReadState], visits: Sequence[Visit], traversals:
         leaving = (after.path, after.reversed, after.mirrored != visit.mirrored)
         ways[visit.state].add(frozenset((arriving, leaving)))
         ends[visit.state].update((arriving, leaving))
-    return {
-        k
-        for k, state in enumerate(states)
-        if not state.traced and not state.symmetric and len(ends[k]) == 2 and len(ways[k]) == 1
-    }
+    return {k for k, state in enumerate(states) if not state.traced and len(ends[k]) == 2 and len(ways[k]) == 1}
 
 
 def held(moments: Moments, reading: Reading) -> list[tuple[int, int] | None]:
