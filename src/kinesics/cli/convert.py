@@ -15,12 +15,13 @@ SUMMARY = "Write a recording in another format."
 EXAMPLES = (
     ("kinesics convert 07_01.amc walk.bvh", "07.asf lies beside it"),
     ("kinesics convert walk.bvh walk.amc", "writes walk.asf too"),
+    ("kinesics convert walk.bvh walk.glb", "a human figure that walks, for Blender and viewers"),
 )
 
 
 def convert(
     source: Annotated[Path, typer.Argument(metavar="IN", show_default=False, help="The recording.")],
-    target: Annotated[Path, typer.Argument(metavar="OUT", show_default=False, help="Its suffix decides the format.")],
+    target: Annotated[Path, typer.Argument(metavar="OUT", show_default=False, help="Its suffix decides the format: .bvh .amc .glb .gltf .npz.")],
     overwrite: recording.Overwrite = False,
     skeleton: recording.Skeleton = None,
     map_: recording.Map = None,

@@ -1,6 +1,7 @@
 """Recordings of movement in files: read to a `Motion`, written from one.
 
 - `read`, `write`: any format; the content decides which one it is
+- `read_extras`: arrays that were written with a motion
 - `read_mapping`: which joint is what, by the user's word
 - `formats`, `readable`, `writable`: which there are
 - `kinesics.formats.registry`: what a new format must bring
@@ -19,6 +20,7 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinesics.body import anatomy, kinematics
 from kinesics.body.motion import Motion, Source
@@ -44,6 +46,7 @@ __all__ = [
     "Written",
     "formats",
     "read",
+    "read_extras",
     "read_mapping",
     "readable",
     "writable",
@@ -114,10 +117,17 @@ def _stated(motion: Motion) -> Motion:
     body = motion.skeleton.anatomy
     if body is None:
         return motion
-    return motion.replace(assumptions=(*motion.assumptions, *body.assumptions))
+    more = tuple(text for text in body.assumptions if text not in motion.assumptions)
+    return motion.replace(assumptions=(*motion.assumptions, *more))
 
 
-def write(motion: Motion, path: str | PathLike[str], *, overwrite: bool = False) -> tuple[str, ...]:
+def write(
+    motion: Motion,
+    path: str | PathLike[str],
+    *,
+    overwrite: bool = False,
+    extras: Mapping[str, NDArray[Any]] | None = None,
+) -> tuple[str, ...]:
     """Write a motion; the suffix decides the format. Files appear whole or not at all.
 
     A motion read from the same format is written in its own unit, axes and channels.
@@ -125,6 +135,7 @@ def write(motion: Motion, path: str | PathLike[str], *, overwrite: bool = False)
     Parameters
     ----------
     overwrite : replace files that are there.
+    extras : arrays that belong to the motion, by name; only .npz has room for them (`read_extras` gives them back).
 
     Returns
     -------
@@ -140,7 +151,13 @@ def write(motion: Motion, path: str | PathLike[str], *, overwrite: bool = False)
     assert chosen.write is not None, "for_writing gives writable formats only"
     if not path.parent.is_dir():
         raise FileError(path, "The folder to write to does not exist.", hint="Make it first.")
-    written = chosen.write(motion, path)
+    if extras and chosen.extras is not None:
+        written = chosen.extras(motion, path, extras)
+    else:
+        written = chosen.write(motion, path)
+        if extras:
+            left_out = f"{chosen.title} has no room for {', '.join(extras)}: left out (.npz has)"
+            written = dataclasses.replace(written, remarks=(*written.remarks, left_out))
     if not overwrite:
         there = [p.name for p, _ in written.files if p.exists()]
         if there:
@@ -150,6 +167,20 @@ def write(motion: Motion, path: str | PathLike[str], *, overwrite: bool = False)
             )
     _put_down(written)
     return written.remarks
+
+
+def read_extras(path: str | PathLike[str]) -> dict[str, NDArray[Any]]:
+    """The arrays that were written with a motion to .npz, by name; none where there were none.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be read, or is no .npz of a motion.
+    """
+    from kinesics.formats import npz
+
+    path = _as_path(path)
+    return npz.extras_of(path, load(path))
 
 
 def read_mapping(path: str | PathLike[str]) -> Mapping[str, object]:
@@ -239,16 +270,20 @@ def _to_metres_and_y_up(recording: Recording, source: Source, options: ReadOptio
         if array is not None:
             # nobody else has it: a motion then keeps it as it is, and long recordings are not copied
             array.setflags(write=False)
+    if recording.source is None:
+        source = dataclasses.replace(
+            source, metres_per_unit=scale, up_axis=judged.up_axis, details=dict(recording.details)
+        )
+    else:
+        source = recording.source
     return Motion(
         skeleton=skeleton.replace(offsets=skeleton.offsets * scale, end_sites=sites),
         rotations=rotations,
         root_positions=roots,
         fps=recording.fps,
         joint_translations=shifts,
-        name=path.stem,
-        source=dataclasses.replace(
-            source, metres_per_unit=scale, up_axis=judged.up_axis, details=dict(recording.details)
-        ),
+        name=path.stem if recording.name is None else recording.name,
+        source=source,
         assumptions=(*recording.assumptions, *judged.assumptions),
         warnings=recording.warnings,
     )

@@ -13,12 +13,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kinesics.body.motion import Motion
+from kinesics.body.motion import Motion, Source
 from kinesics.body.skeleton import Skeleton
 from kinesics.errors import FileError, InputError
 
@@ -59,6 +59,10 @@ class Recording:
     warnings: tuple[str, ...] = ()
     details: Mapping[str, str] = field(default_factory=dict)
     """What the format wants back on writing."""
+    name: str | None = None
+    """Of the motion, where the file says so; else it is the file's."""
+    source: Source | None = None
+    """Where the movement came from before it was in this file, where the file says so."""
 
 
 @dataclass(frozen=True)
@@ -85,6 +89,8 @@ class Format:
     """From a path and what lies there."""
     write: Callable[[Motion, Path], Written] | None = None
     """To the bytes to be put at a path."""
+    extras: Callable[[Motion, Path, Mapping[str, NDArray[Any]]], Written] | None = None
+    """As ``write``, with further arrays by name, where the format has room for them."""
 
 
 @cache
