@@ -256,7 +256,7 @@ class Controller:
         """Whether the goals are attained and the performer, if it is to stand, stands."""
         if not self.attained or self._queue:
             return False
-        return not self._braking or (self._stopping is not None and bool(self._stopping.still[self.now.path]))
+        return self._stopping is None or self._last_target() is None or bool(self._stopping.still[self.now.path])
 
     def outcome(self) -> tuple[str, ...]:
         """What came of each goal so far, in words."""

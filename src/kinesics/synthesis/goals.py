@@ -46,6 +46,10 @@ FAR: Final = 10_000.0
 """Metres; no target lies beyond."""
 HASTE: Final = 0.3
 """How much a metre late weighs beside a metre aside, when a target is within reach."""
+FACING: Final = 1.5
+"""How much turning towards a target weighs, beside the metres walked while turning so far."""
+SOON: Final = 4.0
+"""A property of a path counts e times less for every such part of the lookahead that the path comes later."""
 FORGET: Final = 30.0
 """Seconds after which a path that was played counts e times less as known."""
 
@@ -79,7 +83,7 @@ class Situation:
 class Feature(Protocol):
     """A property of paths and the value wished for now, of the user's own making.
 
-    Of composites the mean over their paths counts, each weighted with its duration.
+    Of composites the mean over their paths counts, each weighted with its duration and the less the later it comes.
     """
 
     weight: float
@@ -255,6 +259,7 @@ class _Seeking(TrailPursuit):
         super().__init__(prospects)
         self._radius = radius
         self._scale = weight / prospects.spread**2
+        self._turning = prospects.turning
 
     def _wish(self, now: Situation, times: Floats) -> complex | NDArray[np.complex128]:
         """Displacement wished for, in the world; one, or one for each point of the trail."""
@@ -275,6 +280,10 @@ class _Seeking(TrailPursuit):
         if self._pace:
             due = np.minimum(far, self._reach) / self._pace
             miss = miss + (HASTE * self._pace * (trail.times - due)) ** 2
+            # what is behind one has to be turned to first: as far as one walks meanwhile
+            ahead = (wish * np.maximum(1.0, far / self._reach) - trail.places).astype(np.complex64)
+            off = np.angle(ahead * np.exp(-1j * trail.headings))
+            miss = miss + (FACING * self._turning * off * np.minimum(1.0, np.abs(ahead) / self._reach)) ** 2
         return np.asarray(miss, dtype=np.float64), gap
 
     def weigh(self, trail: Trail, now: Situation, bend: float) -> Array:
@@ -490,9 +499,10 @@ class _Facing(TrailPursuit):
         self._scale = goal.weight / (float(np.var(prospects.trail.headings[:, -1])) or 1.0)
 
     def weigh(self, trail: Trail, now: Situation, bend: float) -> Array:
-        off = trail.headings[:, -1] - (self._wish - now.heading)
+        # all the way and not only at its end, or turning could wait for ever
+        off = trail.headings - (self._wish - now.heading)
         off = (off + np.pi) % (2.0 * np.pi) - np.pi
-        return np.asarray(self._scale * off**2, dtype=np.float64)
+        return np.asarray(self._scale * np.mean(off**2, axis=1), dtype=np.float64)
 
 
 @dataclass(frozen=True)
@@ -559,17 +569,13 @@ class Favour:
 
 
 class _Longing(Pursuit):
-    """Seconds to a kind of path."""
+    """Seconds to a kind of path: the quickest way is known for every path, so that no composite needs to be asked."""
 
     def __init__(self, network: Network, prospects: Prospects, kind: Mask, weight: float) -> None:
         togo = ways.seconds_to(network, kind)
         togo = np.where(np.isfinite(togo), togo, ways.UNREACHABLE)
-        outside = np.where(kind, 0.0, np.asarray(network.duration, dtype=np.float64))
-        spent = _summed(prospects, outside)
-        final = prospects.sequence[np.arange(len(prospects.sequence)), _counts(prospects) - 1]
-        # the wish is none at all of the time spent otherwise, in what is looked ahead to and on the way there after it
-        off = spent + np.where(kind[final], 0.0, np.maximum(togo[final] - outside[final], 0.0))
-        self._miss = weight * (off / (float(np.std(off)) or 1.0)) ** 2
+        miss = weight * (togo / (float(np.std(togo)) or 1.0)) ** 2
+        self._miss = miss[prospects.sequence[:, 0]]
 
     def miss(self, rows: slice, now: Situation, bend: float) -> Array:
         return np.asarray(self._miss[rows], dtype=np.float64)
@@ -597,19 +603,18 @@ class _Fresh(Pursuit):
     """Seconds of a composite that were played before, faded by the time since."""
 
     def __init__(self, network: Network, prospects: Prospects, goal: Novelty) -> None:
-        self._duration = np.append(np.asarray(network.duration, dtype=np.float64), 0.0)
+        self._seconds = _soon(network, prospects)
         self._sequence = prospects.sequence
         self._goal = goal
-        total = _summed(prospects, self._duration[:-1])
         # no spread to take it from before anything was played: as if a path in two were known
-        self._scale = goal.weight / (float(np.mean(total)) / 2.0) ** 2
+        self._scale = goal.weight / (float(np.mean(self._seconds.sum(axis=1))) / 2.0) ** 2
 
     def miss(self, rows: slice, now: Situation, bend: float) -> Array:
         if not now.plays.any():
             return np.zeros(rows.stop - rows.start)
         known = now.plays * np.exp((now.last_played - now.time) / self._goal.forget)
-        seconds = self._duration * np.append(known, 0.0)
-        return np.asarray(self._scale * seconds[self._sequence[rows]].sum(axis=1) ** 2, dtype=np.float64)
+        seconds = (self._seconds[rows] * np.append(known, 0.0)[self._sequence[rows]]).sum(axis=1)
+        return np.asarray(self._scale * seconds**2, dtype=np.float64)
 
 
 @dataclass(frozen=True)
@@ -651,9 +656,11 @@ class OwnFeature:
 
 class _Valued(Pursuit):
     def __init__(self, network: Network, prospects: Prospects, values: Array, feature: Feature, name: str) -> None:
-        duration = np.asarray(network.duration, dtype=np.float64)
-        total = _summed(prospects, duration)
-        self._values = np.stack([_summed(prospects, duration * v) / total for v in values.T], axis=1)
+        seconds = _soon(network, prospects)
+        total = seconds.sum(axis=1)
+        self._values = np.stack(
+            [(seconds * np.append(v, 0.0)[prospects.sequence]).sum(axis=1) / total for v in values.T], axis=1
+        )
         spread = self._values.std(axis=0)
         self._spread = np.where(spread > 0.0, spread, 1.0)
         self._feature, self._name = feature, name
@@ -803,13 +810,15 @@ def _shared_bend(gap: Complexes, swerve: Complexes, most: float) -> NDArray[np.f
     return np.asarray(np.clip(-along / square, -most, most), dtype=np.float32)
 
 
-def _counts(prospects: Prospects) -> Indices:
-    return np.asarray((prospects.sequence >= 0).sum(axis=1), dtype=np.intp)
+def _soon(network: Network, prospects: Prospects) -> Floats:
+    """Seconds of each path of each composite, those that come late counting less: shape (rows, longest).
 
-
-def _summed(prospects: Prospects, values: Array) -> Array:
-    """Sum over the paths of each composite."""
-    return np.asarray(np.append(values, 0.0)[prospects.sequence].sum(axis=1), dtype=np.float64)
+    If they counted alike, what is wished for could be put off from decision to decision.
+    """
+    seconds = np.append(np.asarray(network.duration, dtype=np.float64), 0.0)[prospects.sequence]
+    begins = np.cumsum(seconds, axis=1) - seconds
+    late = np.exp(-SOON * begins / prospects.lookahead) if prospects.lookahead else 1.0
+    return np.asarray(seconds * late, dtype=np.float32)
 
 
 def _complex(position: tuple[float, float]) -> complex:

@@ -4,8 +4,8 @@ The Markov controller of [Schultz2012] §4.4.1 weighs each path that may follow 
 something needs more: a step to the left is good because of the two steps that can follow it. So, as an extension beyond the
 dissertation, every path is given beforehand a bundle of *composites*, chains of paths over the next seconds that lie spread
 over all that can be reached. They are built once, by doubling (chains of one path, then chains followed by chains) and
-thinned by where they lead: one of those that end in the same cell of place, heading and time is kept. Looking ahead 0 seconds
-the composites are the single paths, and the controller is the dissertation's.
+thinned by where they lead: of those that end in the same cell of place, heading and time the cheapest is kept. Looking ahead
+0 seconds the composites are the single paths, and the controller is the dissertation's.
 
 On the ground a place is one complex number, z + i·x: a turn by an angle ψ (radians about +y, positive to the left) is then a
 product with e^{iψ}. Places and headings of a path or composite are relative to those at its first frame.
@@ -45,7 +45,9 @@ FEWEST: Final = 32
 MOST: Final = 192
 """Composites that follow one path, if as many differ and the network is small."""
 BRANCHES: Final = 8
-"""Chains tried behind each chain when they are doubled."""
+"""Chains tried behind each chain when they are doubled, at least."""
+TRIED: Final = 500_000
+"""Chains tried all together when they are doubled, if each then has no fewer than `BRANCHES`."""
 CELL: Final = 0.3
 """Metres; chains that end in the same cell, `SECTOR` and `BEAT` count as the same."""
 SECTOR: Final = np.pi / 8.0
@@ -113,6 +115,12 @@ class Prospects:
     def spread(self) -> float:
         """Metres: standard deviation of where composites end."""
         return float(np.std(self.trail.places[:, -1])) or 1.0
+
+    @cached_property
+    def turning(self) -> float:
+        """Metres walked while turning by a radian, as quickly as all but the quickest tenth of the paths allow."""
+        turned = float(np.quantile(np.maximum.reduceat(np.abs(self.trail.headings[:, -1]), self.start[:-1]), 0.9))
+        return self.reach / max(turned, 0.1)
 
     def along(self, rows: slice) -> Trail:
         """The trails of some rows."""
@@ -231,11 +239,12 @@ def _lengthened(
         steady = np.lexsort((-chains.first_jump, owner))
         begin = np.searchsorted(owner, np.arange(len(successors)))
         number = np.bincount(owner, minlength=len(successors))
-        head = np.repeat(open_, BRANCHES)
-        strata = np.tile(np.arange(BRANCHES), len(open_)) + rng.random(len(head))
+        branches = int(np.clip(TRIED // len(open_), BRANCHES, 8 * BRANCHES))
+        head = np.repeat(open_, branches)
+        strata = np.tile(np.arange(branches), len(open_)) + rng.random(len(head))
         then = chains.last[head]
-        strata[::BRANCHES] = 0.0
-        tail = steady[begin[then] + ((strata / BRANCHES) ** 2 * number[then]).astype(np.intp)]
+        strata[::branches] = 0.0
+        tail = steady[begin[then] + ((strata / branches) ** 2 * number[then]).astype(np.intp)]
         joined = _joined(chains, head, tail, hold)
         done = chains.taken(np.flatnonzero(chains.duration >= lookahead))
         source_head = np.concatenate([np.flatnonzero(chains.duration >= lookahead), head])
@@ -270,16 +279,16 @@ def _thinned(chains: _Chains, owner_of: Indices, room: Indices, rng: np.random.G
     x, z = np.floor(chains.place.imag / CELL), np.floor(chains.place.real / CELL)
     cell = ((x + 1000) * 2000 + z + 1000) * 1024
     cell = cell + (np.floor(chains.heading / SECTOR) % 16) * 64 + np.minimum(chains.duration // BEAT, 63)
-    order = np.lexsort((chance, chains.haste, cell, owner))
+    order = np.lexsort((chance, chains.cost, chains.haste, cell, owner))
     fresh = np.ones(len(order), dtype=np.bool_)
     fresh[1:] = (np.diff(owner[order]) != 0) | (np.diff(cell[order]) != 0)
     candidates = np.zeros(len(order), dtype=np.bool_)
     candidates[order[fresh]] = True
-    order = np.lexsort((chance, ~candidates, chains.haste, chains.edge))
+    order = np.lexsort((chance, chains.cost, chains.haste, chains.edge))
     fresh[1:] = np.diff(chains.edge[order]) != 0
     must = np.zeros(len(order), dtype=np.bool_)
     must[order[fresh]] = True
-    rows = np.flatnonzero(candidates | must)
+    rows = np.flatnonzero(candidates & (chains.haste == 0) | must)
     # the fastest way out in each direction first: it is what one needs to get anywhere
     bearing = np.floor(np.angle(chains.place[rows]) / SECTOR) * 16 + np.floor(chains.heading[rows] / SECTOR) % 16
     pace = np.abs(chains.place[rows]) / chains.duration[rows]

@@ -1,0 +1,80 @@
+"""Shortest ways over the network, and where one can stand."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+
+from floor_networks import Path, floor_network, walker
+from kinesics.synthesis import ways
+from kinesics.synthesis.network import Network
+from naive import controller as naive
+
+
+def random_network(rng: np.random.Generator, paths: int = 12) -> Network:
+    names = [f"p{k}" for k in range(paths)]
+    steps = [Path(n, int(rng.integers(1, 9)), float(rng.uniform(0, 1)), float(rng.uniform(-1, 1))) for n in names]
+    follows = {n: list(rng.choice(names, size=2, replace=False)) for n in names}
+    return floor_network(steps, follows)
+
+
+def mask(network: Network, *paths: int) -> np.ndarray:
+    out = np.zeros(len(network.first), dtype=np.bool_)
+    out[list(paths)] = True
+    return out
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_seconds_to_a_path_agree_with_relaxing_by_hand(seed: int) -> None:
+    """Dijkstra on the reversed graph gives what trying every succession gives, unreachable ones included."""
+    network = random_network(np.random.default_rng(seed))
+    got = ways.seconds_to(network, mask(network, 2, 5))
+    np.testing.assert_allclose(got, naive.seconds_to(network, [2, 5]), rtol=1e-12)
+
+
+@pytest.mark.parametrize("by", ways.MEASURES)
+def test_the_shortest_way_follows_the_network(rng: np.random.Generator, by: str) -> None:
+    """It begins at an origin, ends at a goal, and each path may follow the one before."""
+    network = random_network(rng)
+    origins = mask(network, 0, 1, 3)
+    way = ways.shortest(network, origins, mask(network, 7), by=by)
+    assert way is not None
+    assert origins[way[0]]
+    assert way[-1] == 7
+    for before, after in itertools.pairwise(way):
+        assert after in network.successors(before)
+    if by == "seconds":
+        lasted = network.duration[way[:-1]].sum()
+        assert lasted == pytest.approx(min(naive.seconds_to(network, [7])[k] for k in (0, 1, 3)))
+
+
+def test_by_cost_a_longer_way_without_jumps_is_preferred() -> None:
+    """Staying in the recordings counts before seconds."""
+    network = walker()
+    # from "ahead" to "left" there is one jump either way; by seconds through nothing, by cost no more jumps than needed
+    assert ways.shortest(network, mask(network, 0), mask(network, 1), by="cost") == [0, 1]
+
+
+def test_no_way_is_no_way() -> None:
+    """Where nothing leads there, there is no shortest way."""
+    network = floor_network([Path("a", 2, 0.1, 0.0), Path("b", 2, 0.1, 0.0)], {"a": ["a"], "b": ["b"]})
+    assert ways.shortest(network, mask(network, 0), mask(network, 1)) is None
+    assert np.isinf(ways.seconds_to(network, mask(network, 1))[0])
+    assert ways.next_towards(network, mask(network, 1))[0] == -1
+
+
+def test_stances_can_be_kept_for_ever() -> None:
+    """A path that stands but must be left for walking is no stance; neither is turning or stepping on the spot."""
+    paths = [
+        Path("walk", 10, 0.7, 0.0),
+        Path("pause", 10, 0.0, 0.0),
+        Path("stand", 10, 0.01, 0.0),
+        Path("spin", 10, 0.0, 1.5),
+    ]
+    everywhere = [p.name for p in paths]
+    network = floor_network(
+        paths, {"walk": everywhere, "pause": ["walk"], "stand": ["stand", "walk"], "spin": ["spin", "walk"]}
+    )
+    assert ways.stances(network).tolist() == [False, False, True, False]
