@@ -23,6 +23,7 @@ from kinesics.synthesis.goals import (
     Heading,
     MovingTarget,
     Novelty,
+    OwnFeature,
     Route,
     Situation,
     Speed,
@@ -362,6 +363,21 @@ def test_a_feature_of_ones_own(net: Network, ready: Prospects) -> None:
     early, late = course.paths[course.begins < 160], course.paths[course.begins > 240]
     assert np.mean(early == LEFT) > 0.8
     assert np.mean(late == RIGHT) > 0.8
+
+
+@pytest.mark.parametrize("goal", [Economy(), Novelty(), Favour("B"), OwnFeature(Leftwards())])
+def test_a_chain_of_paths_is_weighed_as_in_the_bundle(net: Network, ready: Prospects, goal: Goal) -> None:
+    """What is planned and what the bundle offers are measured alike."""
+    controller = Controller(net, goal, prepared=ready, start=LEFT)
+    for _ in range(9):
+        controller.step()
+    pursuit, path = goal.pursuit(net, ready), controller.now.path
+    first, last = ready.start[net.indptr[path]], ready.start[net.indptr[path + 1]]
+    misses = pursuit.miss(slice(int(first), int(last)), controller.now, 0.0)
+    chains = [ready.sequence[row] for row in range(first, last)]
+    by_hand = [pursuit.chain(chain[chain >= 0].tolist(), controller.now) for chain in chains]
+    assert np.ptp(misses) > 0.0
+    np.testing.assert_allclose(by_hand, misses, rtol=1e-4, atol=1e-7)
 
 
 def test_own_features_are_checked(net: Network, ready: Prospects) -> None:

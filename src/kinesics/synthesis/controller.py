@@ -350,7 +350,7 @@ class Controller:
         low, high = self._indptr[now.path], self._indptr[now.path + 1]
         first = self._rows[low]
         rows = slice(first, self._rows[high])
-        miss, other = self._misses(rows)
+        miss = self._misses(rows)
         if now.since_jump < self._hold:
             hasty = self.prospects.first_jump[rows] + now.since_jump < self._hold
             if not hasty.all():
@@ -368,18 +368,14 @@ class Controller:
             weight = (
                 np.exp(-self.beta * np.where(np.isinf(above), np.inf, above)) if self.beta else np.isfinite(above) * 1.0
             )
-        return _Row(paths, weight / weight.sum(), miss, other, groups, first, planned, self.prospects)
+        return _Row(paths, weight / weight.sum(), miss, groups, first, planned, self.prospects)
 
-    def _misses(self, rows: slice) -> tuple[Array, Array]:
-        """Of all goals together, and of those alone that do not judge by trails: shapes (rows,)."""
-        other = np.zeros(rows.stop - rows.start)
+    def _misses(self, rows: slice) -> Array:
         miss = np.zeros(rows.stop - rows.start)
         for pursuit in self._pursuits:
-            if isinstance(pursuit, TrailPursuit):
-                miss += pursuit.miss(rows, self.now, self._bend if pursuit.steers else 0.0)
-            else:
-                other += pursuit.miss(rows, self.now, 0.0)
-        return miss + other, other
+            steers = isinstance(pursuit, TrailPursuit) and pursuit.steers
+            miss += pursuit.miss(rows, self.now, self._bend if steers else 0.0)
+        return miss
 
     def _continued(self, intention: _Composite) -> _Composite | None:
         """What was intended, followed by the best of what may come after it.
@@ -406,8 +402,7 @@ class Controller:
         if points == 0:
             if not head.places.shape[1]:
                 return None
-            value = self._weighed(head)[0] + intention.other
-            return _Composite(intention.paths, head, float(value), intention.other)
+            return _Composite(intention.paths, head, float(self._weighed(head)[0]) + self._chained(intention.paths))
         turn = np.exp(1j * heading)
         swerve = self._swerve_at(intention.paths)
         trail = Trail(
@@ -434,7 +429,7 @@ class Controller:
             paths.append(path)
             lasted += self._duration[path]
         chosen = Trail(trail.times, *(values[best : best + 1] for values in trail[1:]))  # type: ignore[arg-type]
-        return _Composite(tuple(paths), chosen, float(miss[best]) + intention.other, intention.other)
+        return _Composite(tuple(paths), chosen, float(miss[best]) + self._chained(paths))
 
     def _weighed(self, trail: Trail) -> Array:
         miss = np.zeros(len(trail.places))
@@ -442,6 +437,9 @@ class Controller:
             if isinstance(pursuit, TrailPursuit):
                 miss += pursuit.weigh(trail, self.now, self._bend if pursuit.steers else 0.0)
         return miss
+
+    def _chained(self, paths: Sequence[int]) -> float:
+        return sum(p.chain(paths, self.now) for p in self._pursuits if not isinstance(p, TrailPursuit))
 
     def _swerve_at(self, paths: Sequence[int]) -> complex:
         """How the end of a chain of paths moves if it is bent."""
@@ -470,7 +468,7 @@ class Controller:
             travelled,
             swerve.astype(np.complex64),
         )
-        return _Composite(composite.paths[1:], rest, composite.miss, composite.other)
+        return composite._replace(paths=composite.paths[1:], trail=rest)
 
     def _play(self, path: int, bend: float) -> Step:
         now = self.now
@@ -500,8 +498,6 @@ class _Composite(NamedTuple):
     trail: Trail
     """Of one row."""
     miss: float
-    other: float
-    """The part of `miss` that does not depend on the trail."""
 
 
 class _Row(NamedTuple):
@@ -510,7 +506,6 @@ class _Row(NamedTuple):
     paths: Indices
     probabilities: Array
     miss: Array
-    other: Array
     groups: Indices
     first: int
     planned: _Composite | None
@@ -527,7 +522,7 @@ class _Row(NamedTuple):
         row = self.first + index
         sequence = self.prospects.sequence[row]
         paths = tuple(sequence[sequence >= 0].tolist())
-        return _Composite(paths, self.prospects.along(slice(row, row + 1)), miss, float(self.other[index]))
+        return _Composite(paths, self.prospects.along(slice(row, row + 1)), miss)
 
 
 def _beside(head: NDArray[Any], then: NDArray[Any], rows: int) -> NDArray[Any]:

@@ -18,6 +18,7 @@ displacement turns with the performer, and that a far target counts as one withi
 from __future__ import annotations
 
 import difflib
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final, Protocol, runtime_checkable
@@ -107,6 +108,10 @@ class Pursuit:
         ``bend`` is the greatest bend of the way in radians a metre that the controller may add (0: none).
         """
         raise NotImplementedError
+
+    def chain(self, paths: Sequence[int], now: Situation) -> float:
+        """As `miss`, of a chain of paths that is in no bundle; by pursuits that do not judge by trails."""
+        return 0.0
 
     def passed(self, places: NDArray[np.complex128], times: Array) -> None:
         """Look along the way that is about to be walked: places (z + i·x) frame by frame and their times."""
@@ -539,16 +544,6 @@ class _Paced(TrailPursuit):
         return trail.travelled[:, -1] / trail.times[:, -1]
 
 
-class _Fixed(Pursuit):
-    """A miss that depends on the composite alone."""
-
-    def __init__(self, squares: NDArray[np.floating], scale: float) -> None:
-        self._miss = np.asarray(scale * squares, dtype=np.float64)
-
-    def miss(self, rows: slice, now: Situation, bend: float) -> Array:
-        return self._miss[rows]
-
-
 @dataclass(frozen=True)
 class Favour:
     """Favour a class, a label or a state of the grammar, or a recording: "cyclic-antiphase", "ab_1", "A*", "walk".
@@ -574,8 +569,11 @@ class _Longing(Pursuit):
     def __init__(self, network: Network, prospects: Prospects, kind: Mask, weight: float) -> None:
         togo = ways.seconds_to(network, kind)
         togo = np.where(np.isfinite(togo), togo, ways.UNREACHABLE)
-        miss = weight * (togo / (float(np.std(togo)) or 1.0)) ** 2
-        self._miss = miss[prospects.sequence[:, 0]]
+        self._paths = weight * (togo / (float(np.std(togo)) or 1.0)) ** 2
+        self._miss = self._paths[prospects.sequence[:, 0]]
+
+    def chain(self, paths: Sequence[int], now: Situation) -> float:
+        return float(self._paths[paths[0]])
 
     def miss(self, rows: slice, now: Situation, bend: float) -> Array:
         return np.asarray(self._miss[rows], dtype=np.float64)
@@ -603,6 +601,8 @@ class _Fresh(Pursuit):
     """Seconds of a composite that were played before, faded by the time since."""
 
     def __init__(self, network: Network, prospects: Prospects, goal: Novelty) -> None:
+        self._duration = np.asarray(network.duration, dtype=np.float64)
+        self._lookahead = prospects.lookahead
         self._seconds = _soon(network, prospects)
         self._sequence = prospects.sequence
         self._goal = goal
@@ -615,6 +615,11 @@ class _Fresh(Pursuit):
         known = now.plays * np.exp((now.last_played - now.time) / self._goal.forget)
         seconds = (self._seconds[rows] * np.append(known, 0.0)[self._sequence[rows]]).sum(axis=1)
         return np.asarray(self._scale * seconds**2, dtype=np.float64)
+
+    def chain(self, paths: Sequence[int], now: Situation) -> float:
+        played = list(paths)
+        known = now.plays[played] * np.exp((now.last_played[played] - now.time) / self._goal.forget)
+        return float(self._scale * (known @ _fading(self._duration[played], self._lookahead)) ** 2)
 
 
 @dataclass(frozen=True)
@@ -629,7 +634,26 @@ class Economy:
 
     def pursuit(self, network: Network, prospects: Prospects) -> Pursuit:
         """See `Goal`."""
-        return _Fixed(prospects.cost**2, self.weight / (float(np.var(prospects.cost)) or 1.0))
+        return _Thrifty(network, prospects, self.weight)
+
+
+class _Thrifty(Pursuit):
+    """The cost of all transitions of a composite."""
+
+    def __init__(self, network: Network, prospects: Prospects, weight: float) -> None:
+        self._network = network
+        self._scale = weight / (float(np.var(prospects.cost)) or 1.0)
+        self._miss = self._scale * np.asarray(prospects.cost, dtype=np.float64) ** 2
+
+    def miss(self, rows: slice, now: Situation, bend: float) -> Array:
+        return np.asarray(self._miss[rows], dtype=np.float64)
+
+    def chain(self, paths: Sequence[int], now: Situation) -> float:
+        total = 0.0
+        for before, after in itertools.pairwise((now.path, *paths)):
+            low, high = self._network.indptr[before], self._network.indptr[before + 1]
+            total += float(self._network.cost[low:high][self._network.indices[low:high] == after].min())
+        return self._scale * total**2
 
 
 class OwnFeature:
@@ -657,6 +681,8 @@ class OwnFeature:
 class _Valued(Pursuit):
     def __init__(self, network: Network, prospects: Prospects, values: Array, feature: Feature, name: str) -> None:
         seconds = _soon(network, prospects)
+        self._duration = np.asarray(network.duration, dtype=np.float64)
+        self._lookahead, self._of_paths = prospects.lookahead, values
         total = seconds.sum(axis=1)
         self._values = np.stack(
             [(seconds * np.append(v, 0.0)[prospects.sequence]).sum(axis=1) / total for v in values.T], axis=1
@@ -666,13 +692,21 @@ class _Valued(Pursuit):
         self._feature, self._name = feature, name
 
     def miss(self, rows: slice, now: Situation, bend: float) -> Array:
+        off = (self._values[rows] - self._wish(now)) / self._spread
+        return np.asarray(self._feature.weight * np.einsum("rd,rd->r", off, off), dtype=np.float64)
+
+    def chain(self, paths: Sequence[int], now: Situation) -> float:
+        seconds = _fading(self._duration[list(paths)], self._lookahead)
+        off = (seconds @ self._of_paths[list(paths)] / seconds.sum() - self._wish(now)) / self._spread
+        return float(self._feature.weight * off @ off)
+
+    def _wish(self, now: Situation) -> Array:
         wish = np.atleast_1d(np.asarray(self._feature.wish(now), dtype=np.float64))
         if wish.shape != self._values.shape[1:] or not np.isfinite(wish).all():
             raise InputError(
                 f"Expected `wish` of {self._name} to be {self._values.shape[1]} finite number(s), got {wish.tolist()}."
             )
-        off = (self._values[rows] - wish) / self._spread
-        return np.asarray(self._feature.weight * np.einsum("rd,rd->r", off, off), dtype=np.float64)
+        return wish
 
 
 # --- from state to state
@@ -816,9 +850,13 @@ def _soon(network: Network, prospects: Prospects) -> Floats:
     If they counted alike, what is wished for could be put off from decision to decision.
     """
     seconds = np.append(np.asarray(network.duration, dtype=np.float64), 0.0)[prospects.sequence]
-    begins = np.cumsum(seconds, axis=1) - seconds
-    late = np.exp(-SOON * begins / prospects.lookahead) if prospects.lookahead else 1.0
-    return np.asarray(seconds * late, dtype=np.float32)
+    return np.asarray(_fading(seconds, prospects.lookahead), dtype=np.float32)
+
+
+def _fading(seconds: Array, lookahead: float) -> Array:
+    """Durations of paths one after the other, along the last axis, less the later they come."""
+    begins = np.cumsum(seconds, axis=-1) - seconds
+    return seconds * np.exp(-SOON * begins / lookahead) if lookahead else seconds
 
 
 def _complex(position: tuple[float, float]) -> complex:
