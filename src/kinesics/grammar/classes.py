@@ -122,12 +122,12 @@ CYCLIC_CURVES: Final[Mapping[str, Curve]] = {
     "mirror_reverse": Curve(offset=-1.51, residual=1.2, ratio=0.285),
 }
 SINGLE_CURVES: Final[Mapping[str, Curve]] = {
-    "mirror": Curve(offset=-1.34, residual=1.44),
-    "reverse": Curve(offset=-2.04, residual=1.93, turn=0.251),
-    "mirror_reverse": Curve(offset=-1.91, residual=1.25),
+    "mirror": Curve(offset=-1.28, residual=1.23),
+    "reverse": Curve(offset=-1.97, residual=1.75, turn=0.596),
+    "mirror_reverse": Curve(offset=-1.77, residual=1.4),
 }
 CYCLIC_TEMPERATURE: Final = 0.376
-SINGLE_TEMPERATURE: Final = 0.152
+SINGLE_TEMPERATURE: Final = 0.158
 """The symmetries of one movement do not err independently: log probabilities are divided by this."""
 LEANINGS: Final[Mapping[MovementClass, float]] = {
     C.CYCLIC_ASYMMETRIC: -0.71,
@@ -137,11 +137,11 @@ LEANINGS: Final[Mapping[MovementClass, float]] = {
     C.CYCLIC_ANTIPALINDROMIC: 0.24,
     C.CYCLIC_ANTIPHASE_PALINDROMIC: -0.85,
     C.CYCLIC_SYMMETRIC_PALINDROMIC: 0.04,
-    C.ASYMMETRIC: 1.11,
-    C.SYMMETRIC: -0.36,
-    C.PALINDROMIC: -0.46,
-    C.ANTIPALINDROMIC: -0.44,
-    C.SYMMETRIC_PALINDROMIC: 0.16,
+    C.ASYMMETRIC: 0.81,
+    C.SYMMETRIC: -0.21,
+    C.PALINDROMIC: -0.32,
+    C.ANTIPALINDROMIC: -0.29,
+    C.SYMMETRIC_PALINDROMIC: 0.01,
 }
 """Added to the log probability of a class: a reversal leaves over less by chance in some than in others."""
 

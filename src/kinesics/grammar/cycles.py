@@ -107,6 +107,9 @@ def boundaries(speed: Array, lags: Array, noise_speed: float = 0.0) -> Array:
     chain = np.stack(chains)
     inside = chain <= n - 1
     slow = np.where(inside, np.interp(chain, np.arange(n), smooth), 0.0).sum(axis=0) / inside.sum(axis=0)
+    whole = inside.sum(axis=0) >= 2
+    if whole.any():
+        slow = np.where(whole, slow, np.inf)  # at least one cycle that is seen from its beginning to its end
     best = int(np.argmin(slow))
     return np.asarray(chain[inside[:, best], best])
 
