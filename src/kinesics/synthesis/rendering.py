@@ -20,7 +20,6 @@ import itertools
 import weakref
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -65,6 +64,9 @@ SUNK: Final = 0.004
 """Metres below the floor that are let pass: a sole gives way."""
 TOLERATED: Final = 0.01
 """Metres that a foot stands beside its place in the recording which weigh as much as `GENTLE` in the air."""
+ANKLE_ROUNDS: Final = 4
+"""Most times that feet are planted, turned where their ankles were bent too far, and planted again."""
+_NOTHING: Final = np.deg2rad(0.2)
 YIELD: Final = 0.1
 """Seconds before and after over which a joint goes back that would go beyond its range."""
 LEAN: Final = 0.25
@@ -295,6 +297,8 @@ def render(
     rotations, roots = blended.rotations, blended.roots
     if len(laid.cuts):
         _within_range(stage, rotations, np.arange(stage.carrier + 1, rotations.shape[1]), blended.weight < 1.0)
+    changed = quaternion.angle(rotations, laid.rotations).max(axis=1) > 1e-7
+    changed |= (blended.weight < 1.0) | np.any(roots != laid.roots, axis=1)
     standing = _standing(network.repertoire, laid)
     if pinned:
         footed = _pin(stage, rotations, roots, standing)
@@ -312,7 +316,7 @@ def render(
     )
     return Performance(
         motion,
-        _provenance(network, laid, blended.weight),
+        _provenance(network, laid, blended.weight, changed),
         tuple(int(p) for p in chosen),
         laid.cuts,
         standing,
@@ -362,15 +366,6 @@ class _Laid:
     room: Array
     """Seconds before and after each cut to the next: shape (cuts, 2)."""
     fps: float
-
-    @cached_property
-    def transition(self) -> Mask:
-        """Frames within `blending.LONGEST` of a cut."""
-        near = np.zeros(len(self.moments), dtype=np.bool_)
-        reach = int(np.ceil(blending.LONGEST * self.fps))
-        for cut in self.cuts.tolist():
-            near[max(0, cut - reach) : cut + reach] = True
-        return near
 
 
 def _lay(stage: Stage, network: Network, chosen: Indices, origin: Array, heading: float, extra: Array) -> _Laid:
@@ -572,20 +567,20 @@ class _Footed(NamedTuple):
 def _pin(stage: Stage, rotations: Array, roots: Array, standing: Mask) -> _Footed:
     held = np.stack([_held(standing[:, k], RELEASE * stage.repertoire.fps) for k in (0, 1)], axis=-1)
     feet = list(stage.legs.feet)
-    first = _planted(stage, rotations, roots, standing, held)
-    wanted = first.rotations[:, feet].copy()
-    _within_range(stage, first.rotations, np.array(feet))
-    if np.allclose(wanted, first.rotations[:, feet], atol=1e-6):
-        done = first
-    else:
+    given = rotations
+    for _ in range(ANKLE_ROUNDS):
+        done = _planted(stage, given, roots, standing, held)
+        bent = done.rotations[:, feet].copy()
+        within = done.rotations.copy()
+        _within_range(stage, within, np.array(feet))
+        if quaternion.angle(bent, within[:, feet]).max() < _NOTHING:
+            break
         # an ankle that would be bent too far turns its foot; the foot is then planted as it is turned
-        turned = first.rotations[:, feet]
         parents = [stage.repertoire.skeleton.parents[j] for j in feet]
-        world = kinematics.global_rotations(stage.repertoire.skeleton, first.rotations)[:, parents]
-        own = kinematics.global_rotations(stage.repertoire.skeleton, rotations)[:, parents]
-        again = rotations.copy()
-        again[:, feet] = quaternion.multiply(quaternion.conjugate(own), quaternion.multiply(world, turned))
-        done = _planted(stage, again, roots, standing, held)
+        world = kinematics.global_rotations(stage.repertoire.skeleton, done.rotations)[:, parents]
+        own = kinematics.global_rotations(stage.repertoire.skeleton, given)[:, parents]
+        given = given.copy()
+        given[:, feet] = quaternion.multiply(quaternion.conjugate(own), quaternion.multiply(world, within[:, feet]))
     joints = np.array([*stage.legs.femurs, *stage.legs.tibias, *feet])
     free = np.concatenate([1.0 - held, 1.0 - held, np.ones_like(held)], axis=1)
     _within_range(stage, done.rotations, joints, free=free)
@@ -747,7 +742,7 @@ def _contact_list(stage: Stage, motion: Motion, standing: Mask) -> tuple[Contact
     return tuple(sorted(out, key=lambda c: (c.start, c.foot)))
 
 
-def _provenance(network: Network, laid: _Laid, weight: Array) -> Provenance:
+def _provenance(network: Network, laid: _Laid, weight: Array, transition: Mask) -> Provenance:
     repertoire = network.repertoire
     frame = repertoire.frame_of(laid.moments)
     return Provenance(
@@ -758,7 +753,7 @@ def _provenance(network: Network, laid: _Laid, weight: Array) -> Provenance:
         backwards=repertoire.is_backward(laid.moments),
         step=laid.step,
         path=laid.path,
-        transition=weight < 1.0,
+        transition=transition,
         weight=weight,
     )
 

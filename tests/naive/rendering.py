@@ -1,0 +1,44 @@
+"""Slow, obvious twins of `kinesics.synthesis.rendering`: paths laid end to end, frame after frame."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+
+def laid(network, paths: list[int], start: tuple[float, float], heading: float, bend: list[float]) -> list[tuple]:
+    """(x, z, yaw of the pelvis) of every frame, from the recordings' own places and headings alone."""
+    repertoire = network.repertoire
+    x, z = start
+    out = []
+    facing = heading
+    for path, extra in zip(paths, bend, strict=True):
+        moment = int(network.first[path])
+        length = int(network.length[path])
+        own = float(repertoire.yaw_of(moment))
+        for k in range(length):
+            onward = int(repertoire.advance(moment, 1))
+            turn = facing - own + extra * k / length
+            out.append((x, z, float(repertoire.yaw_of(moment)) + turn))
+            step = repertoire.roots_of(np.array([onward]))[0] - repertoire.roots_of(np.array([moment]))[0]
+            half = turn + 0.5 * extra / length
+            x += math.cos(half) * step[0] + math.sin(half) * step[2]
+            z += -math.sin(half) * step[0] + math.cos(half) * step[2]
+            moment = onward
+        facing += float(repertoire.yaw_of(moment)) - own + extra
+    return out
+
+
+def slide(points: np.ndarray, height: np.ndarray, bearing: float) -> float:
+    """The farthest that the bearing part of a sole, followed step by step, is from where it was at any time before."""
+    way = [np.zeros(2)]
+    for t in range(len(points) - 1):
+        weights, moves = [], []
+        for p in range(points.shape[1]):
+            weights.append(0.5 * (height[t, p] + height[t + 1, p]))
+            moves.append(points[t + 1, p, [0, 2]] - points[t, p, [0, 2]])
+        least = min(weights)
+        weights = [math.exp(-(w - least) / bearing) for w in weights]
+        way.append(way[-1] + sum(w * m for w, m in zip(weights, moves, strict=True)) / sum(weights))
+    return max(float(np.linalg.norm(a - b)) for a in way for b in way)

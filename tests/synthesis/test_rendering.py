@@ -1,0 +1,285 @@
+"""Paths performed: laid end to end as the recordings say, without seams, feet in place, joints in range, live and at once."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kinesics as kx
+from kinesics.body import contacts
+from kinesics.body.contacts import Floor
+from kinesics.errors import InputError
+from kinesics.geometry import quaternion
+from kinesics.synthesis import quality
+from kinesics.synthesis.network import Network, network
+from kinesics.synthesis.rendering import BEARING, LiveRenderer, Stage, envelope, render
+from kinesics.synthesis.repertoire import repertoire
+from naive import rendering as naive
+
+
+def walking(made: Network, count: int, seed: int, hold: float = 0.5) -> list[int]:
+    """Paths at random: a transition whenever none was for ``hold`` seconds and there is one."""
+    rng = np.random.default_rng(seed)
+    paths, since = [int(rng.integers(len(made)))], 0.0
+    while len(paths) < count:
+        since += float(made.duration[paths[-1]])
+        nexts = made.successors(paths[-1])
+        jumps = nexts[made.first[nexts] != made.onward[paths[-1]]]
+        stays = np.setdiff1d(nexts, jumps)
+        if len(jumps) and (since > hold or not len(stays)):
+            paths.append(int(rng.choice(jumps)))
+            since = 0.0
+        else:
+            paths.append(int(stays[0]))
+    return paths
+
+
+@pytest.fixture(scope="module")
+def made() -> Network:
+    """Of a walk in a circle and its mirror image."""
+    walk = kx.performer.walk(seconds=12, fps=30, noise_degrees=0.3, noise_kind="smooth", route="circle", seed=3).motion
+    return network(repertoire(walk))
+
+
+@pytest.fixture(scope="module")
+def paths(made: Network) -> list[int]:
+    """A stroll of some ten seconds."""
+    return walking(made, 60, 1)
+
+
+def test_recording_goes_on_as_it_was(made: Network) -> None:
+    """Without a transition and without pinning, what is performed is the recording, turned and shifted."""
+    chosen = [0]
+    for _ in range(6):
+        nexts = made.successors(chosen[-1])
+        onward = nexts[made.first[nexts] == made.onward[chosen[-1]]]
+        if not len(onward):
+            break
+        chosen.append(int(onward[0]))
+    done = render(made, chosen, pinned=False)
+    own = made.repertoire
+    assert len(done.cuts) == 0
+    assert not done.provenance.transition.any()
+    assert np.allclose(
+        quaternion.angle(done.motion.rotations[:, 1:], own.rotations_of(done.provenance.moment)[:, 1:]), 0.0
+    )
+    moved = np.linalg.norm(np.diff(done.motion.root_positions, axis=0), axis=1)
+    assert np.allclose(moved, np.linalg.norm(np.diff(own.roots_of(done.provenance.moment), axis=0), axis=1), atol=1e-9)
+
+
+def test_paths_are_laid_as_the_twin_lays_them(made: Network, paths: list[int]) -> None:
+    """Place and heading of every frame away from transitions are those of adding up the recordings' steps."""
+    bend = np.random.default_rng(2).uniform(-0.2, 0.2, len(paths))
+    done = render(made, paths, start=(2.0, -1.0), heading=0.7, bend=bend, pinned=False)
+    twin = np.array(naive.laid(made, paths, (2.0, -1.0), 0.7, bend.tolist()))
+    away = ~done.provenance.transition
+    assert away.sum() > 50
+    assert np.abs(done.motion.root_positions[away][:, [0, 2]] - twin[away][:, :2]).max() < 1e-9
+    turned = kx.poses(done.motion).yaw[away] - twin[away][:, 2]
+    assert np.abs(np.arctan2(np.sin(turned), np.cos(turned))).max() < 1e-6
+    assert done.motion.root_positions[0, [0, 2]] == pytest.approx([2.0, -1.0])
+
+
+def test_network_tells_where_paths_lead(made: Network, paths: list[int]) -> None:
+    """Displacement and turn of the network are what the performance does, to the centimetre after many paths."""
+    place, heading = np.zeros(2), 0.0
+    for p in paths[:-1]:
+        left, ahead = made.displacement[p]
+        place += left * np.array([np.cos(heading), -np.sin(heading)]) + ahead * np.array(
+            [np.sin(heading), np.cos(heading)]
+        )
+        heading += float(made.turn[p])
+    live = LiveRenderer(made, paths, pinned=False)
+    for _ in range(int(made.length[paths[:-1]].sum())):
+        live.step()
+    assert live.place == pytest.approx(place, abs=1e-6)
+    assert np.cos(live.heading - heading) == pytest.approx(1.0, abs=1e-9)
+
+
+def test_no_seams(made: Network, paths: list[int]) -> None:
+    """At the cuts no joint turns by more from frame to frame than it does anywhere in the recording, and a little."""
+    done = render(made, paths, pinned=False)
+    assert len(done.cuts) > 5
+    own = made.repertoire.rotations[0]
+    usual = quaternion.angle(own[1:, 1:], own[:-1, 1:]).max(axis=0)
+    steps = quaternion.angle(done.motion.rotations[1:, 1:], done.motion.rotations[:-1, 1:])
+    assert np.all(steps[done.cuts - 1] <= 1.15 * usual + np.deg2rad(0.5))
+    assert np.abs(np.diff(done.motion.root_positions[:, 1])).max() < 0.03
+
+
+def test_feet_stay_where_they_are_put(made: Network, paths: list[int]) -> None:
+    """While a foot bears it slides less than 5 mm, and no sole comes more than 1 cm below the floor."""
+    done = render(made, paths)
+    stage = Stage.of(made.repertoire)
+    motion = done.motion
+    places = done.soles.place(motion.positions(), motion.global_rotations())
+    assert places[..., 1].min() > -0.01
+    assert len(done.contacts) > 10
+    for touch in done.contacts:
+        sole = places[touch.start : touch.end, touch.foot]
+        assert quality.slide(sole, sole[..., 1] - stage.levels[touch.foot]) < 0.005
+    assert done.missed[done.feet].max() < 1e-3
+    assert done.lowered.max() < 0.06
+
+
+def test_contacts_are_those_of_the_recordings(made: Network, paths: list[int]) -> None:
+    """A performance is on the ground as much as what it plays, within a tenth."""
+    done = render(made, paths)
+    played = made.repertoire.contacts_of(done.provenance.moment)
+    assert done.feet.mean() == pytest.approx(played.mean(), rel=0.1)
+    assert np.mean(done.feet == played) > 0.93
+
+
+def test_joints_stay_in_their_range(made: Network, paths: list[int]) -> None:
+    """Joints but those of a bearing leg never go beyond what they do in the recordings, mirrored counted; those hardly."""
+    done = render(made, paths)
+    stage = Stage.of(made.repertoire)
+    beyond = quality._beyond(done.motion, stage)
+    legs = [*stage.legs.femurs, *stage.legs.tibias, *stage.legs.feet]
+    others = np.setdiff1d(np.arange(beyond.shape[1]), legs)
+    assert beyond[:, others].max() < 1e-6
+    assert beyond.max() < np.deg2rad(6.0)
+
+
+def test_provenance_names_the_source(made: Network, paths: list[int]) -> None:
+    """Every frame tells its recording, place, strand and path; between transitions it is that frame."""
+    done = render(made, paths, pinned=False)
+    came, own = done.provenance, made.repertoire
+    assert np.array_equal(came.path, np.repeat(paths, made.length[paths]))
+    assert np.array_equal(came.source_frame, own.source_frames[own.frame_of(came.moment)])
+    assert np.array_equal(came.mirrored, own.is_mirrored(came.moment))
+    assert 0.4 <= came.weight.min() <= 0.7
+    assert came.transition[came.weight < 1.0].all()
+    away = ~came.transition
+    source = own.rotations_of(came.moment[away])
+    assert np.allclose(quaternion.angle(done.motion.rotations[away, 1:], source[:, 1:]), 0.0, atol=1e-6)
+
+
+def test_same_paths_same_movement(made: Network, paths: list[int]) -> None:
+    """Nothing is left to chance, and another start only moves and turns the whole."""
+    one, two = render(made, paths), render(made, paths)
+    assert np.array_equal(one.motion.rotations, two.motion.rotations)
+    away = render(made, paths, start=(5.0, 3.0), heading=1.0)
+    turn = quaternion.from_axis_angle([0.0, 1.0, 0.0], 1.0)
+    assert np.allclose(
+        quaternion.rotate(turn, one.motion.root_positions) + np.array([5.0, 0.0, 3.0]),
+        away.motion.root_positions,
+        atol=1e-6,
+    )
+    assert np.allclose(quaternion.angle(one.motion.rotations[:, 1:], away.motion.rotations[:, 1:]), 0.0, atol=1e-6)
+
+
+def test_live_goes_the_same_way(made: Network, paths: list[int]) -> None:
+    """Frame by frame the body goes where it goes at once; poses differ only near the cuts, and nothing leaps."""
+    done = render(made, paths, start=(1.0, 2.0), heading=0.5)
+    frames = list(LiveRenderer(made, paths, start=(1.0, 2.0), heading=0.5))
+    assert len(frames) == len(done.motion)
+    roots, rotations = np.array([f.root for f in frames]), np.array([f.rotations for f in frames])
+    assert np.abs(roots - done.motion.root_positions).max() < 0.1
+    assert np.linalg.norm(np.diff(roots, axis=0), axis=1).max() < 0.08
+    steps = quaternion.angle(rotations[1:], rotations[:-1])
+    usual = quaternion.angle(done.motion.rotations[1:], done.motion.rotations[:-1])
+    assert steps.max() < 1.5 * usual.max()
+    motion = done.motion.replace(rotations=rotations, root_positions=roots)
+    soles = done.soles.place(motion.positions(), motion.global_rotations())
+    assert soles[..., 1].min() > -0.01
+
+
+def test_live_asks_for_a_path_only_when_it_needs_one(made: Network, paths: list[int]) -> None:
+    """The next path is asked for when the one before has been played to its end."""
+    asked: list[int] = []
+
+    def choose():
+        for p in paths:
+            asked.append(p)
+            yield p
+
+    live = LiveRenderer(made, choose())
+    for _ in range(int(made.length[paths[0]])):
+        live.step()
+    assert asked == paths[:1]
+    live.step()
+    assert asked == paths[:2]
+    assert live.path == paths[1]
+
+
+def test_bad_input_is_told(made: Network) -> None:
+    """No path, no such path, a path that does not follow, bends and starts that are none: refused in words."""
+    wrong = next(p for p in range(len(made)) if p not in made.successors(0))
+    for given, words in (([], "list of path"), ([len(made)], "below"), ([0, wrong], "does not follow")):
+        with pytest.raises(InputError, match=words):
+            render(made, given)
+    with pytest.raises(InputError, match="bend"):
+        render(made, [0], bend=[0.1, 0.2])
+    with pytest.raises(InputError, match="start"):
+        render(made, [0], start=(np.nan, 0.0))
+    with pytest.raises(InputError, match="does not follow"):
+        list(LiveRenderer(made, [0, wrong]))
+
+
+def test_envelope_is_nowhere_below(rng: np.random.Generator) -> None:
+    """It covers every value and is smooth: no step is larger than the highest value spread over its reach."""
+    values = np.where(rng.random(300) < 0.03, rng.random(300), 0.0)
+    cover = envelope(values, 12)
+    assert np.all(cover >= values - 1e-12)
+    assert np.abs(np.diff(cover)).max() < 2.0 * values.max() / 12
+    assert not envelope(np.zeros(50), 12).any()
+
+
+def test_slide_is_that_of_the_twin(rng: np.random.Generator) -> None:
+    """The way of the bearing part is what adding it up frame by frame gives."""
+    points = np.cumsum(rng.normal(0.0, 0.01, (25, 3, 3)), axis=0)
+    height = rng.uniform(0.0, 0.03, (25, 3))
+    assert quality.slide(points, height) == pytest.approx(naive.slide(points, height, BEARING))
+    assert quality.slide(points[:1], height[:1]) == 0.0
+
+
+def test_quality_of_the_recording_itself_is_its_own_yardstick(made: Network) -> None:
+    """Measured on paths without a cut and unpinned, nothing is worse than in the recording."""
+    chosen = [0]
+    while True:
+        nexts = made.successors(chosen[-1])
+        onward = nexts[made.first[nexts] == made.onward[chosen[-1]]]
+        if not len(onward) or len(chosen) > 20:
+            break
+        chosen.append(int(onward[0]))
+    done = render(made, chosen, pinned=False)
+    found = quality.measure(done, made.repertoire, threshold=made.threshold)
+    assert found.distance.performance < 1e-6
+    assert found.joint_excess < 1e-6
+    assert found.slide.performance <= found.slide_worst.recordings + 1e-6
+    assert found.penetration.performance <= found.penetration.recordings + 1e-6
+
+
+def test_quality_finds_what_is_wrong(made: Network, paths: list[int]) -> None:
+    """A body that is dragged over the floor slides, one that is sunk penetrates, one that trembles accelerates."""
+    import dataclasses
+
+    done = render(made, paths)
+    fine = quality.measure(done, made.repertoire)
+    roots = done.motion.root_positions.copy()
+    roots[:, 1] -= 0.05
+    sunk = dataclasses.replace(done, motion=done.motion.replace(root_positions=roots))
+    assert quality.measure(sunk, made.repertoire).penetration.performance > 0.04
+    trembling = quaternion.multiply(
+        done.motion.rotations,
+        quaternion.from_rotvec(np.random.default_rng(1).normal(0.0, 0.05, (*done.motion.rotations.shape[:2], 3))),
+    )
+    shaken = dataclasses.replace(done, motion=done.motion.replace(rotations=trembling))
+    assert quality.measure(shaken, made.repertoire).turning_over.performance > 2.0 * fine.turning_over.performance
+
+
+def test_real_walk(shared_data: Path) -> None:
+    """A real walk of 23 s: feet slide less than a centimetre, stay above the floor, and every pose is a pose of the walk."""
+    walk = kx.read(shared_data / "cmu" / "91" / "91_01.amc").resample(60.0)
+    made = network(repertoire(walk))
+    done = render(made, walking(made, 80, 5))
+    found = quality.measure(done, made.repertoire, threshold=made.threshold)
+    assert found.slide.performance < 0.012
+    assert found.penetration.performance < 0.01
+    assert found.distance.performance < found.distance.recordings
+    assert found.contact_share.performance == pytest.approx(found.contact_share.recordings, rel=0.15)
+    assert found.turning.performance < 1.2
+    assert contacts.contacts(done.motion, known=done.soles, ground=Floor(0.0)).feet.any(axis=1).mean() > 0.97
