@@ -36,6 +36,8 @@ if TYPE_CHECKING:
     from kinesics.similarity import distance as distance
     from kinesics.similarity import mirror_distance as mirror_distance
     from kinesics.similarity import similarity as similarity
+    from kinesics.synthesis.perform import perform as perform
+    from kinesics.synthesis.perform import performance as performance
 
 __version__ = "0.1.0"
 
@@ -53,6 +55,8 @@ _HOME = {
     "load": "kinesics.report",
     "mirror": "kinesics.body.mirroring",
     "mirror_distance": "kinesics.similarity",
+    "perform": "kinesics.synthesis.perform",
+    "performance": "kinesics.synthesis.perform",
     "poses": "kinesics.body.pose",
     "read": "kinesics.formats",
     "reverse": "kinesics.body.motion",

@@ -1,0 +1,676 @@
+"""From recordings to a new movement in one call: the public `kinesics.perform` and `kinesics.performance` ([Schultz2012] §4.4).
+
+Repertoire, transitions, network, controller, rendering, one after the other; and what came of it, told so that anyone can
+check it: which frames of which recording, mirrored or not, over which transitions, with which numbers.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kinesics.body import anatomy
+from kinesics.body.motion import Motion
+from kinesics.body.skeleton import Skeleton
+from kinesics.errors import InputError, SkeletonError
+from kinesics.progress import Progress, silent
+from kinesics.synthesis import goals
+from kinesics.synthesis import network as networks
+from kinesics.synthesis.controller import BEND, BETA, LONGEST, Course, perform_paths
+from kinesics.synthesis.network import Network, Pruned
+from kinesics.synthesis.prospects import Prospects, prospects, trails
+from kinesics.synthesis.rendering import Performance, Provenance, render
+from kinesics.synthesis.repertoire import repertoire
+
+if TYPE_CHECKING:
+    from kinesics.synthesis.goals import Feature, Goal
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+SCHEMA_VERSION: Final = 1
+"""Of `Piece.to_dict`."""
+SECONDS: Final = 20.0
+"""How long is performed if neither a goal nor a time is given, and at least to be had for a goal."""
+MOST_SECONDS: Final = 600.0
+"""How long a goal is sought at most if no time is given."""
+DETOUR: Final = 3.0
+"""Times the straight way that is allowed for a goal if no time is given."""
+SETTLING: Final = 10.0
+"""Seconds allowed besides, to turn round and to come to a stand."""
+STAYING: Final = 0.05
+"""Metres a second: recordings that never get about faster stay in place."""
+FAVOURED: Final = 1.0
+"""Weight of a favoured kind of movement beside the goal."""
+FRESH: Final = 0.05
+"""Weight of not repeating oneself beside a favoured kind of movement."""
+
+
+class SourceFacts(NamedTuple):
+    """A recording that was performed from."""
+
+    name: str
+    """Of the file, without folders; of the motion where there is no file."""
+    sha256: str | None
+    """Of the file."""
+    format: str | None
+    frames: int
+    fps: float
+
+
+class Span(NamedTuple):
+    """A stretch that plays one recording on and on."""
+
+    start: int
+    """Frames [start, end) of the performance."""
+    end: int
+    source: int
+    """Number of the recording."""
+    source_start: float
+    """[source_start, source_end) of it, in its own frames; a part of a frame where it was resampled."""
+    source_end: float
+    mirrored: bool
+    backwards: bool
+
+
+class Crossing(NamedTuple):
+    """A transition that was used."""
+
+    frame: int
+    """First frame of the performance after it."""
+    from_source: int
+    from_frame: float
+    """Last frame that is played before, in that recording's own frames."""
+    to_source: int
+    to_frame: float
+    """First frame that is played after."""
+    distance: float
+    """Mean D over the window."""
+    mirrors: bool
+    """Whether the body is mirrored after it that was not before, or the other way round."""
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """A new movement and how it came about. Made by `performance`."""
+
+    performance: Performance
+    """Motion, feet and contacts, provenance of every frame."""
+    course: Course
+    """What was decided."""
+    network: Network
+    """What was to choose from."""
+    sources: tuple[SourceFacts, ...]
+    parameters: Mapping[str, Any]
+    """Everything that, with the recordings, makes this very movement: plain values."""
+
+    @property
+    def motion(self) -> Motion:
+        """The new movement."""
+        return self.performance.motion
+
+    @property
+    def provenance(self) -> Provenance:
+        """Where every frame comes from."""
+        return self.performance.provenance
+
+    @property
+    def paths(self) -> tuple[int, ...]:
+        """Numbers of the paths in the network, in the order of performance."""
+        return self.performance.paths
+
+    @property
+    def attained(self) -> bool:
+        """Whether the goal was; False if there was none that could be."""
+        return self.course.attained
+
+    @property
+    def outcome(self) -> tuple[str, ...]:
+        """What came of the goal, in words."""
+        return self.course.outcome
+
+    @property
+    def pruned(self) -> tuple[Pruned, ...]:
+        """What of the recordings could not be used."""
+        return self.network.pruned
+
+    @property
+    def trail(self) -> Array:
+        """Root on the floor: x, z in metres, shape (frames, 2)."""
+        return self.motion.root_positions[:, [0, 2]]
+
+    @property
+    def length(self) -> float:
+        """Metres that the root went over the floor."""
+        return float(np.hypot(*np.diff(self.trail, axis=0).T).sum())
+
+    @property
+    def mirrored_share(self) -> float:
+        """Share of the frames that play a mirror image."""
+        return float(self.provenance.mirrored.mean())
+
+    @property
+    def backwards_share(self) -> float:
+        """Share of the frames that play a recording backwards."""
+        return float(self.provenance.backwards.mean())
+
+    @property
+    def nearest(self) -> float | None:
+        """Metres from the target at which the performer came nearest to it; None without a target."""
+        target = self.parameters["target"]
+        return None if target is None else float(np.hypot(*(self.trail - target).T).min())
+
+    @property
+    def aside(self) -> float | None:
+        """Median of the metres between the performer and the route; None without a route."""
+        route = self.parameters["route"]
+        return None if route is None else float(np.median(_distance_to_line(self.trail, np.asarray(route))))
+
+    @cached_property
+    def spans(self) -> tuple[Span, ...]:
+        """The stretches between transitions; they tile the performance."""
+        where, fps = self.provenance, self.motion.fps
+        bounds = [0, *self.performance.cuts.tolist(), self.motion.frame_count]
+        out = []
+        for a, b in itertools.pairwise(bounds):
+            source = int(where.recording[a])
+            facts = self.sources[source]
+            first, last = sorted((float(where.source_frame[a]), float(where.source_frame[b - 1])))
+            end = min(last + max(1.0, facts.fps / fps), float(facts.frames))
+            out.append(Span(a, b, source, first, end, bool(where.mirrored[a]), bool(where.backwards[a])))
+        return tuple(out)
+
+    @cached_property
+    def crossings(self) -> tuple[Crossing, ...]:
+        """The transitions that were used."""
+        where, net = self.provenance, self.network
+        out = []
+        for cut in self.performance.cuts.tolist():
+            before, after = int(where.path[cut - 1]), int(where.path[cut])
+            low = int(net.indptr[before])
+            at = low + int(np.flatnonzero(net.successors(before) == after)[0])
+            out.append(
+                Crossing(
+                    cut,
+                    int(where.recording[cut - 1]),
+                    float(where.source_frame[cut - 1]),
+                    int(where.recording[cut]),
+                    float(where.source_frame[cut]),
+                    float(net.distance[at]),
+                    bool(where.mirrored[cut] != where.mirrored[cut - 1]),
+                )
+            )
+        return tuple(out)
+
+    def extras(self) -> dict[str, NDArray[Any]]:
+        """The provenance of every frame as arrays of shape (frames,), to be kept beside the motion."""
+        where = self.provenance
+        return {
+            "provenance_source": where.recording.astype(np.int32),
+            "provenance_source_frame": where.source_frame,
+            "provenance_mirrored": where.mirrored,
+            "provenance_backwards": where.backwards,
+            "provenance_transition": where.transition,
+            "provenance_weight": where.weight,
+        }
+
+    def to_dict(self) -> dict[str, Any]:
+        """All of it in plain values, as ``*.provenance.json`` holds it (`kinesics.report.performance_schema`)."""
+        from kinesics import __version__
+
+        motion, net = self.motion, self.network
+        return {
+            "schema_version": SCHEMA_VERSION,
+            "kinesics_version": __version__,
+            "parameters": dict(self.parameters),
+            "sources": [
+                {**facts._asdict(), "duration_s": _rounded(facts.frames / facts.fps)} for facts in self.sources
+            ],
+            "output": {
+                "name": motion.name,
+                "frames": motion.frame_count,
+                "fps": motion.fps,
+                "duration_s": _rounded(motion.duration),
+                "skeleton": motion.skeleton.name,
+                "joints": list(motion.skeleton.joint_names),
+                "assumptions": list(motion.assumptions),
+                "warnings": list(motion.warnings),
+            },
+            "network": {
+                "paths": len(net),
+                "successors": len(net.indices),
+                "seconds": _rounded(net.seconds),
+                "threshold": net.threshold,
+                "rule": net.rule,
+                "pruned": [
+                    {"source": p.recording, "strand": p.strand, "seconds": _rounded(p.seconds), "why": p.why}
+                    for p in net.pruned
+                ],
+            },
+            "goal": {
+                "attained": self.attained,
+                "outcome": list(self.outcome),
+                "length_m": _rounded(self.length),
+                "nearest_m": None if self.nearest is None else _rounded(self.nearest),
+                "aside_m": None if self.aside is None else _rounded(self.aside),
+            },
+            "mirrored_share": _rounded(self.mirrored_share),
+            "backwards_share": _rounded(self.backwards_share),
+            "spans": [
+                {**s._asdict(), "source_start": _rounded(s.source_start), "source_end": _rounded(s.source_end)}
+                for s in self.spans
+            ],
+            "transitions": [
+                {
+                    "frame": c.frame,
+                    "time_s": _rounded(c.frame / motion.fps),
+                    "from": {"source": c.from_source, "frame": _rounded(c.from_frame)},
+                    "to": {"source": c.to_source, "frame": _rounded(c.to_frame)},
+                    "distance": c.distance,
+                    "mirrors": c.mirrors,
+                }
+                for c in self.crossings
+            ],
+        }
+
+
+def perform(
+    motions: Motion | Sequence[Motion],
+    *,
+    target: ArrayLike | None = None,
+    route: ArrayLike | None = None,
+    from_state: str | None = None,
+    to_state: str | None = None,
+    favour: str | None = None,
+    goal: Goal | Feature | Sequence[Goal | Feature] | None = None,
+    seconds: float | None = None,
+    linger: bool = False,
+    seed: int = 0,
+    beta: float = BETA,
+    bend: float = BEND,
+    mirrored: bool = True,
+    backwards: bool = False,
+    skeleton: Skeleton | None = None,
+    fps: float | None = None,
+    threshold: float | None = None,
+    mapping: Mapping[str, object] | None = None,
+    progress: Progress = silent,
+) -> Motion:
+    """A new movement from recordings, over the transitions between their moments ([Schultz2012] §4.4).
+
+    What was chosen stands in ``assumptions`` of the result, what went wrong in ``warnings``; `performance`, of the same
+    parameters, tells where every frame comes from.
+
+    Parameters
+    ----------
+    motions : recordings to perform from; one alone will do. Skeletons and frame rates may differ.
+    target : x, z in metres from where the performer starts, facing +z.
+    route : corners of a line on the floor to follow, shape (n, 2), x and z in metres from where the performer starts.
+    from_state, to_state : states of the motion graph (`kinesics.graph` of the same recordings names them, such as "A", "A*" or
+        "X~"): begin in the one, and go to the other by the quickest way. The first alone is only where it begins.
+    favour : a class, a state or a path of the grammar, or the name of a recording, of which there is to be much.
+    goal : a goal, or several, of `kinesics.synthesis.goals`, or a feature of your own, in place of target and route.
+    seconds : how long. With a goal at most, for it ends when that is attained. Without: 20, or what the goal may take.
+    linger : with a goal, go on to the end of ``seconds``.
+    seed : of all that is drawn; the same recordings and numbers give the same movement.
+    beta : how strictly the goal decides, from a stroll (0) to a beeline (infinite).
+    bend : by how much the way may be bent towards the goal, degrees a metre.
+    mirrored : whether mirror images of the recordings may be performed.
+    backwards : whether the recordings may be performed backwards, too.
+    skeleton, fps : of the result; those of the first recording unless given.
+    threshold : largest mean D of a transition; found from the recordings unless given.
+    mapping : joint names by the user, where a skeleton is not understood (see `kinesics.body.anatomy.resolve`).
+    progress : called with a fraction now and then; may raise to stop.
+
+    Raises
+    ------
+    InputError
+        If there is no recording, one is a single pose, nothing recurs so that there are no transitions, goals contradict
+        each other or cannot be pursued here, a state is unknown, or a number is out of range.
+    SkeletonError
+        If a skeleton cannot be understood as a human body; the message says which recording.
+    """
+    return performance(
+        motions,
+        target=target,
+        route=route,
+        from_state=from_state,
+        to_state=to_state,
+        favour=favour,
+        goal=goal,
+        seconds=seconds,
+        linger=linger,
+        seed=seed,
+        beta=beta,
+        bend=bend,
+        mirrored=mirrored,
+        backwards=backwards,
+        skeleton=skeleton,
+        fps=fps,
+        threshold=threshold,
+        mapping=mapping,
+        progress=progress,
+    ).motion
+
+
+def performance(
+    motions: Motion | Sequence[Motion],
+    *,
+    target: ArrayLike | None = None,
+    route: ArrayLike | None = None,
+    from_state: str | None = None,
+    to_state: str | None = None,
+    favour: str | None = None,
+    goal: Goal | Feature | Sequence[Goal | Feature] | None = None,
+    seconds: float | None = None,
+    linger: bool = False,
+    seed: int = 0,
+    beta: float = BETA,
+    bend: float = BEND,
+    mirrored: bool = True,
+    backwards: bool = False,
+    skeleton: Skeleton | None = None,
+    fps: float | None = None,
+    threshold: float | None = None,
+    mapping: Mapping[str, object] | None = None,
+    progress: Progress = silent,
+) -> Piece:
+    """As `perform`, with all that is known of how the movement came about."""
+    wish = _Wish.of(target, route, from_state, to_state, favour, goal)
+    if seconds is not None and not (np.isfinite(seconds) and 0.0 < seconds <= LONGEST):
+        raise InputError(f"Expected `seconds` above 0 and at most {LONGEST:g}, got {seconds}.")
+    seed = _whole(seed)
+    given = _given(motions, mapping)
+    progress(0.0, "bringing the recordings together")
+    stock = repertoire(given, skeleton=skeleton, fps=fps, mirrored=mirrored, backwards=backwards)
+    with warnings.catch_warnings():
+        # what was pruned is told in the result
+        warnings.simplefilter("ignore", UserWarning)
+        net = networks.network(
+            stock, threshold=threshold, progress=lambda f, message="": progress(0.1 + 0.4 * f, message)
+        )
+    progress(0.5, "reading the grammar" if wish.needs_words(net) else "looking ahead")
+    net = _labelled(net, given, wish)
+    start = _start(net, wish, seed)
+    progress(0.6, "looking ahead")
+    ahead = prospects(net)
+    most = _most_seconds(wish, ahead, seconds)
+    progress(0.75, "choosing the way")
+    course = perform_paths(
+        net,
+        wish.goals(),
+        most,
+        seed,
+        finish=wish.ends and not linger,
+        beta=beta,
+        bend=bend,
+        start=start,
+        prepared=ahead,
+    )
+    progress(0.85, "performing")
+    ways = trails(net)
+    walked = ways.travelled[ways.start + net.length][course.paths]
+    done = _first(render(net, course.paths, bend=course.bends * walked), len(course.moments))
+    parameters: dict[str, Any] = {
+        **wish.plain(),
+        "seconds": seconds,
+        "linger": bool(linger),
+        "seed": seed,
+        "beta": float(beta) if np.isfinite(beta) else "infinite",
+        "bend": float(bend),
+        "mirrored": bool(mirrored),
+        "backwards": bool(backwards),
+        "fps": stock.fps,
+        "threshold": threshold,
+    }
+    motion = done.motion.replace(
+        assumptions=(*stock.assumptions, *_chosen(net, parameters)),
+        warnings=_doubts(net, wish, course, ahead, most, seconds),
+    )
+    facts = tuple(
+        SourceFacts(
+            m.source.file_name or name, m.source.sha256 or None, m.source.format or None, m.frame_count, float(m.fps)
+        )
+        for m, name in zip(given, stock.names, strict=True)
+    )
+    progress(1.0, "performed")
+    return Piece(dataclasses.replace(done, motion=motion), course, net, facts, parameters)
+
+
+@dataclass(frozen=True, eq=False)
+class _Wish:
+    """What is wished for, checked before any work is done."""
+
+    target: goals.Target | None
+    route: goals.Route | None
+    from_state: str | None
+    to_state: str | None
+    favour: str | None
+    own: tuple[Goal | Feature, ...]
+
+    @classmethod
+    def of(
+        cls,
+        target: ArrayLike | None,
+        route: ArrayLike | None,
+        from_state: str | None,
+        to_state: str | None,
+        favour: str | None,
+        goal: Goal | Feature | Sequence[Goal | Feature] | None,
+    ) -> _Wish:
+        where = {"target": target, "route": route, "to_state": to_state, "goal": goal}
+        asked = [name for name, value in where.items() if value is not None]
+        if len(asked) > 1:
+            raise InputError(f"Expected one thing to go for, got {' and '.join(asked)}: give one of them.")
+        if to_state is not None and from_state is None:
+            raise InputError(
+                f"A way to the state {to_state!r} begins in a state, too: give `from_state` (--from) beside `to_state` (--to)."
+            )
+        own: tuple[Any, ...] = () if goal is None else tuple(goal) if isinstance(goal, (list, tuple)) else (goal,)
+        return cls(
+            None if target is None else goals.Target(target),  # type: ignore[arg-type]
+            None if route is None else goals.Route(route),
+            from_state,
+            to_state,
+            favour,
+            own,
+        )
+
+    @property
+    def ends(self) -> bool:
+        """Whether there is something to be attained."""
+        return bool(self.target or self.route or self.to_state or self.own)
+
+    @property
+    def metres(self) -> float:
+        """The straight way to it."""
+        if self.target is not None:
+            return math.hypot(*self.target.position)
+        if self.route is not None:
+            x, z = np.asarray(self.route.points)[0].tolist()
+            return self.route.length + math.hypot(x, z)
+        return 0.0
+
+    def needs_words(self, net: Network) -> bool:
+        """Whether the grammar has to be read."""
+        return self.from_state is not None or (self.favour is not None and self.favour not in net.repertoire.names)
+
+    def goals(self) -> list[Goal | Feature]:
+        """For the controller; something new all the time, where nothing is wished for."""
+        out: list[Goal | Feature] = list(self.own)
+        if self.target is not None:
+            out.append(self.target)
+        if self.route is not None:
+            out.append(self.route)
+        if self.to_state is not None:
+            assert self.from_state is not None
+            out.append(goals.StateToState(self.from_state, self.to_state))
+        goes_somewhere = bool(out)
+        if self.favour is not None:
+            out.append(goals.Favour(self.favour, weight=FAVOURED))
+        if not goes_somewhere:
+            out.append(goals.Novelty(weight=1.0 if self.favour is None else FRESH))
+        return out
+
+    def plain(self) -> dict[str, Any]:
+        """As plain values."""
+        return {
+            "target": None if self.target is None else list(self.target.position),
+            "route": None if self.route is None else np.asarray(self.route.points).tolist(),
+            "from_state": self.from_state,
+            "to_state": self.to_state,
+            "favour": self.favour,
+            "goal": [repr(g) if dataclasses.is_dataclass(g) else type(g).__name__ for g in self.own],
+        }
+
+
+def _given(motions: Motion | Sequence[Motion], mapping: Mapping[str, object] | None) -> list[Motion]:
+    given = [motions] if isinstance(motions, Motion) else list(motions)
+    for k, motion in enumerate(given):
+        if not isinstance(motion, Motion):
+            raise InputError(f"Expected motions to perform from, got {type(motion).__name__} as number {k + 1}.")
+    if mapping:
+        for k, motion in enumerate(given):
+            try:
+                given[k] = anatomy.understood(motion, mapping)
+            except SkeletonError as error:
+                name = motion.source.file_name or motion.name or f"recording {k + 1}"
+                raise SkeletonError(f"{name}: {error}", found=error.found, missing=error.missing) from error
+    return given
+
+
+def _whole(seed: object) -> int:
+    try:
+        number = int(seed)  # type: ignore[call-overload]
+    except (TypeError, ValueError):
+        raise InputError(f"Expected a whole number as `seed`, got {seed!r}.") from None
+    if number != seed or number < 0:
+        raise InputError(f"Expected a whole number of 0 or more as `seed`, got {seed!r}.")
+    return int(number)
+
+
+def _labelled(net: Network, motions: Sequence[Motion], wish: _Wish) -> Network:
+    """With the grammar's words, where they are asked for."""
+    if not wish.needs_words(net):
+        return net
+    if wish.favour is None:
+        from kinesics.analysis import joint
+
+        return networks.labelled(net, joint.graph(motions))
+    from kinesics.analysis import analyze
+
+    read = analyze(motions)
+    return networks.labelled(net, read.graph, read.phrases)
+
+
+def _start(net: Network, wish: _Wish, seed: int) -> int | None:
+    """A path that begins in the state wished for; None if the way itself, or the draw, decides."""
+    if wish.from_state is None or wish.to_state is not None:
+        return None
+    begins = np.flatnonzero(goals.states_of(net, wish.from_state, "from"))
+    return int(np.random.default_rng(seed).choice(begins))
+
+
+def _pace(ahead: Prospects) -> float:
+    """Metres a second in a straight line, at best."""
+    return ahead.reach / ahead.lookahead
+
+
+def _most_seconds(wish: _Wish, ahead: Prospects, seconds: float | None) -> float:
+    pace = _pace(ahead)
+    away = wish.metres - (goals.RADIUS if wish.target is not None else 0.0)
+    if away > 0.0 and pace < STAYING:
+        raise InputError(
+            f"These recordings stay in place (at most {pace:.2g} metres a second in a straight line): no "
+            f"{'target' if wish.target is not None else 'route'} can be reached with them. Give recordings that go about, "
+            "or perform without a place to go to."
+        )
+    if seconds is not None:
+        return float(seconds)
+    if away <= 0.0:
+        return MOST_SECONDS if wish.to_state is not None else SECONDS
+    return min(MOST_SECONDS, max(SECONDS, SETTLING + DETOUR * wish.metres / pace))
+
+
+def _first(done: Performance, frames: int) -> Performance:
+    """The first frames of a performance: the last path may be cut short."""
+    if frames >= done.motion.frame_count:
+        return done
+    where = done.provenance
+    cut = {f.name: getattr(where, f.name)[:frames] for f in dataclasses.fields(where)}
+    return dataclasses.replace(
+        done,
+        motion=done.motion[:frames],
+        provenance=Provenance(**cut),
+        paths=done.paths[: int(cut["step"][-1]) + 1],
+        cuts=done.cuts[done.cuts < frames],
+        feet=done.feet[:frames],
+        contacts=tuple(c._replace(end=min(c.end, frames)) for c in done.contacts if c.start < frames),
+        corrected=done.corrected[:frames],
+        lowered=done.lowered[:frames],
+        missed=done.missed[:frames],
+    )
+
+
+def _chosen(net: Network, parameters: Mapping[str, Any]) -> tuple[str, ...]:
+    from kinesics import __version__
+
+    return (
+        f"transitions up to a mean D of {net.threshold:.3g} ({net.rule})",
+        *(f"not used: {pruned}" for pruned in net.pruned),
+        f"chosen with seed {parameters['seed']}, beta {parameters['beta']}, bend {parameters['bend']:g} degrees a metre, "
+        f"by kinesics {__version__}",
+    )
+
+
+def _doubts(
+    net: Network, wish: _Wish, course: Course, ahead: Prospects, most: float, seconds: float | None
+) -> tuple[str, ...]:
+    """What did not go as wished, and what helps."""
+    out = [
+        f"nothing is performed of {name}: no transition leads there and back again; recordings nearer to the others, longer "
+        "ones or a larger threshold would join it"
+        for name in dict.fromkeys(p.recording for p in net.pruned if p.everything)
+    ]
+    if wish.ends and not course.attained:
+        told = "; ".join(course.outcome) or "the goal was not attained"
+        pace = _pace(ahead)
+        if wish.metres > most * pace:
+            advice = (
+                f": {wish.metres:.1f} m at {pace:.2f} m/s, the fastest there is, take longer than {most:g} s; "
+                "give more seconds"
+            )
+        elif wish.target is not None or wish.route is not None:
+            advice = (
+                ": give more seconds, another seed, or recordings that turn more"
+                if seconds is not None
+                else ": give another seed, or recordings that turn more"
+            )
+        else:
+            advice = ": give more seconds"
+        out.append(told + advice)
+    return tuple(out)
+
+
+def _distance_to_line(points: Array, corners: Array) -> Array:
+    """Metres from each point to the nearest place on a line of straight pieces: shape (n,)."""
+    least = np.full(len(points), np.inf)
+    for a, b in itertools.pairwise(corners):
+        along = b - a
+        square = float(along @ along)
+        t = np.clip((points - a) @ along / square, 0.0, 1.0) if square > 0.0 else np.zeros(len(points))
+        least = np.minimum(least, np.hypot(*(points - a - t[:, None] * along).T))
+    return least
+
+
+def _rounded(value: float) -> float:
+    return round(float(value), 6)
