@@ -49,6 +49,8 @@ HASTE: Final = 0.3
 """How much a metre late weighs beside a metre aside, when a target is within reach."""
 FACING: Final = 1.5
 """How much turning towards a target weighs, beside the metres walked while turning so far."""
+ALONG: Final = 0.3
+"""How much facing along a route at the end of what is looked ahead to weighs, beside the metres walked while turning so far."""
 SOON: Final = 4.0
 """A property of a path counts e times less for every such part of the lookahead that the path comes later."""
 FORGET: Final = 30.0
@@ -427,16 +429,24 @@ class _Along(TrailPursuit):
     def __init__(self, prospects: Prospects, route: Route) -> None:
         super().__init__(prospects)
         self._line = route.sampled()
+        # where the line leads, smoothed over half a metre
+        ends = np.clip(np.arange(len(self._line)) + np.array([[-5], [5]]), 0, len(self._line) - 1)
+        self._direction = np.angle(self._line[ends[1]] - self._line[ends[0]])
+        self._turning = prospects.turning
         self._scale = route.weight / prospects.spread**2
         self._haste = route.haste
         self._at = 0
         self._off: list[float] = []
 
+    def _index(self, trail: Trail) -> Indices:
+        """Points of the line that are as far along it as those of the trails."""
+        ahead = np.round(trail.travelled / STEP).astype(np.intp)
+        return np.asarray(np.minimum(self._at + ahead, len(self._line) - 1), dtype=np.intp)
+
     def _gaps(self, trail: Trail, now: Situation) -> NDArray[np.complex64]:
         """From the points of the line to those of each trail as far along."""
         # where the performer is aside of the line, it counts from the nearest point on
-        index = np.minimum(self._at + np.round(trail.travelled / STEP).astype(np.intp), len(self._line) - 1)
-        wanted = (self._line[index] - now.place) * np.exp(-1j * now.heading)
+        wanted = (self._line[self._index(trail)] - now.place) * np.exp(-1j * now.heading)
         return np.asarray(trail.places - wanted, dtype=np.complex64)
 
     def weigh(self, trail: Trail, now: Situation, bend: float) -> Array:
@@ -444,6 +454,10 @@ class _Along(TrailPursuit):
         if bend > 0.0:
             gap = gap + _shared_bend(gap, trail.swerve, bend)[:, None] * trail.swerve
         aside = np.mean(gap.real**2 + gap.imag**2, axis=1)
+        # beside the line but facing away from it is a metre aside soon
+        turned = self._direction[self._index(trail)[:, -1]] - now.heading - trail.headings[:, -1]
+        turned = (turned + np.pi) % (2.0 * np.pi) - np.pi
+        aside = aside + (ALONG * self._turning * turned) ** 2
         remaining = (len(self._line) - 1 - self._at) * STEP
         due = self._pace * trail.times[:, -1] if self._pace else self._reach
         late = np.minimum(remaining, due) - np.minimum(trail.travelled[:, -1], remaining)
