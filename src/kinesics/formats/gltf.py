@@ -233,11 +233,14 @@ def _animation(motion: Motion, data: _Data, name: str) -> Any:
             f"{motion.fps:g} frames a second. Cut the motion, or resample it."
         )
     every = data.add(times, "SCALAR", bounds=True)
-    once = data.add(times[:1], "SCALAR", bounds=True) if motion.frame_count > 1 else every
+    once = -1  # made when it is wanted
     out = Animation(name=name, extras={EXTRAS: {"fps": motion.fps}})
 
     def channel(joint: int, path: str, values: NDArray[np.float32], kind: str) -> None:
+        nonlocal once
         still = bool(np.all(values == values[0]))
+        if still and once < 0:
+            once = data.add(times[:1], "SCALAR", bounds=True) if motion.frame_count > 1 else every
         keys = data.add(values[:1] if still else values, kind)
         out.samplers.append(AnimationSampler(input=once if still else every, output=keys, interpolation="LINEAR"))
         out.channels.append(

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, Final, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
+from kinesics.body.motion import Motion
 from kinesics.body.skeleton import EndSite, Skeleton
 from kinesics.errors import FileError, InputError
 from kinesics.formats.registry import ReadOptions, Recording
@@ -344,14 +345,23 @@ class _Reader:
         rotations[:, 0] = quaternion.multiply(world_turn, rotations[:, 0])
         offsets[0] = 0.0
         moving = bool(np.any(np.abs(shifts[:, 1:] - offsets[1:]) > 1e-6 * max(1.0, float(np.abs(offsets).max()))))
+        try:
+            # making a motion of it checks that all is finite and of a size that can be
+            motion = Motion(
+                Skeleton(self.names(joints), parents, offsets, self.tips(joints, size)),
+                rotations,
+                roots,
+                fps,
+                shifts if moving else None,
+            )
+        except InputError as error:
+            self.fail(f"What this file holds is no motion: {error}")
         return Recording(
-            skeleton=Skeleton(
-                joint_names=self.names(joints), parents=parents, offsets=offsets, end_sites=self.tips(joints, size)
-            ),
-            rotations=rotations,
-            root_positions=roots,
+            skeleton=motion.skeleton,
+            rotations=motion.rotations,
+            root_positions=motion.root_positions,
             fps=fps,
-            joint_translations=shifts if moving else None,
+            joint_translations=motion.joint_translations,
             metres_per_unit=1.0,
             up_axis="y",
             assumptions=tuple(assumptions),

@@ -124,12 +124,20 @@ def read(path: Path, raw: bytes, options: ReadOptions) -> Recording:
             raise FileError(
                 path, f"Expected layout {VERSION} of this format, got {header['version']!r}.", hint="Update kinesics."
             )
-        return Recording(
+        # making a motion of it checks shapes and values
+        motion = Motion(
             skeleton=_skeleton(header, arrays),
             rotations=_numbers(arrays["rotations"]),
             root_positions=_numbers(arrays["root_positions"]),
-            fps=float(header["fps"]) if options.fps is None else options.fps,
+            fps=float(header["fps"]),
             joint_translations=_numbers(arrays["joint_translations"]) if "joint_translations" in arrays else None,
+        )
+        return Recording(
+            skeleton=motion.skeleton,
+            rotations=motion.rotations,
+            root_positions=motion.root_positions,
+            fps=motion.fps if options.fps is None else options.fps,
+            joint_translations=motion.joint_translations,
             metres_per_unit=1.0,
             up_axis="y",
             assumptions=tuple(map(str, header["assumptions"])),
