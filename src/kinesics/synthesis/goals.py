@@ -89,8 +89,10 @@ class Feature(Protocol):
     Of composites the mean over their paths counts, each weighted with its duration and the less the later it comes.
     """
 
-    weight: float
-    """How much it matters beside others; 1 is usual."""
+    @property
+    def weight(self) -> float:
+        """How much it matters beside others; 1 is usual."""
+        ...
 
     def values(self, network: Network) -> ArrayLike:
         """f(α) of every path, shape (paths,) or (paths, dimensions)."""
@@ -161,7 +163,10 @@ class TrailPursuit(Pursuit):
 class Goal(Protocol):
     """What the controller can pursue."""
 
-    weight: float
+    @property
+    def weight(self) -> float:
+        """How much it matters beside others; 1 is usual."""
+        ...
 
     def pursuit(self, network: Network, prospects: Prospects) -> Pursuit:
         """Get ready for one network. Raises InputError where it cannot be pursued there."""
@@ -388,7 +393,7 @@ class _AfterIt(_Seeking):
 
 @dataclass(frozen=True, eq=False)
 class Route:
-    """Follow a line drawn on the floor, from its first point to its last.
+    """Follow a line drawn on the floor, from its first point to within half a metre of its last.
 
     Parameters
     ----------
@@ -477,7 +482,7 @@ class _Along(TrailPursuit):
             self._at = low + nearest
 
     def done(self, now: Situation) -> bool:
-        return self._at >= len(self._line) - 1 - round(0.3 / STEP)
+        return self._at >= len(self._line) - 1 - round(RADIUS / STEP)
 
     def outcome(self) -> str:
         length = (len(self._line) - 1) * STEP

@@ -7,16 +7,14 @@ check it: which frames of which recording, mirrored or not, over which transitio
 from __future__ import annotations
 
 import dataclasses
-import itertools
 import math
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from kinesics.body import anatomy
 from kinesics.body.motion import Motion
@@ -26,7 +24,8 @@ from kinesics.progress import Progress, silent
 from kinesics.synthesis import goals
 from kinesics.synthesis import network as networks
 from kinesics.synthesis.controller import BEND, BETA, LONGEST, Course, perform_paths
-from kinesics.synthesis.network import Network, Pruned
+from kinesics.synthesis.network import Network
+from kinesics.synthesis.piece import Piece, SourceFacts
 from kinesics.synthesis.prospects import Prospects, prospects, trails
 from kinesics.synthesis.rendering import Performance, Provenance, render
 from kinesics.synthesis.repertoire import repertoire
@@ -34,11 +33,6 @@ from kinesics.synthesis.repertoire import repertoire
 if TYPE_CHECKING:
     from kinesics.synthesis.goals import Feature, Goal
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.intp]
-
-SCHEMA_VERSION: Final = 1
-"""Of `Piece.to_dict`."""
 SECONDS: Final = 20.0
 """How long is performed if neither a goal nor a time is given, and at least to be had for a goal."""
 MOST_SECONDS: Final = 600.0
@@ -53,234 +47,6 @@ FAVOURED: Final = 1.0
 """Weight of a favoured kind of movement beside the goal."""
 FRESH: Final = 0.05
 """Weight of not repeating oneself beside a favoured kind of movement."""
-
-
-class SourceFacts(NamedTuple):
-    """A recording that was performed from."""
-
-    name: str
-    """Of the file, without folders; of the motion where there is no file."""
-    sha256: str | None
-    """Of the file."""
-    format: str | None
-    frames: int
-    fps: float
-
-
-class Span(NamedTuple):
-    """A stretch that plays one recording on and on."""
-
-    start: int
-    """Frames [start, end) of the performance."""
-    end: int
-    source: int
-    """Number of the recording."""
-    source_start: float
-    """[source_start, source_end) of it, in its own frames; a part of a frame where it was resampled."""
-    source_end: float
-    mirrored: bool
-    backwards: bool
-
-
-class Crossing(NamedTuple):
-    """A transition that was used."""
-
-    frame: int
-    """First frame of the performance after it."""
-    from_source: int
-    from_frame: float
-    """Last frame that is played before, in that recording's own frames."""
-    to_source: int
-    to_frame: float
-    """First frame that is played after."""
-    distance: float
-    """Mean D over the window."""
-    mirrors: bool
-    """Whether the body is mirrored after it that was not before, or the other way round."""
-
-
-@dataclass(frozen=True, eq=False)
-class Piece:
-    """A new movement and how it came about. Made by `performance`."""
-
-    performance: Performance
-    """Motion, feet and contacts, provenance of every frame."""
-    course: Course
-    """What was decided."""
-    network: Network
-    """What was to choose from."""
-    sources: tuple[SourceFacts, ...]
-    parameters: Mapping[str, Any]
-    """Everything that, with the recordings, makes this very movement: plain values."""
-
-    @property
-    def motion(self) -> Motion:
-        """The new movement."""
-        return self.performance.motion
-
-    @property
-    def provenance(self) -> Provenance:
-        """Where every frame comes from."""
-        return self.performance.provenance
-
-    @property
-    def paths(self) -> tuple[int, ...]:
-        """Numbers of the paths in the network, in the order of performance."""
-        return self.performance.paths
-
-    @property
-    def attained(self) -> bool:
-        """Whether the goal was; False if there was none that could be."""
-        return self.course.attained
-
-    @property
-    def outcome(self) -> tuple[str, ...]:
-        """What came of the goal, in words."""
-        return self.course.outcome
-
-    @property
-    def pruned(self) -> tuple[Pruned, ...]:
-        """What of the recordings could not be used."""
-        return self.network.pruned
-
-    @property
-    def trail(self) -> Array:
-        """Root on the floor: x, z in metres, shape (frames, 2)."""
-        return self.motion.root_positions[:, [0, 2]]
-
-    @property
-    def length(self) -> float:
-        """Metres that the root went over the floor."""
-        return float(np.hypot(*np.diff(self.trail, axis=0).T).sum())
-
-    @property
-    def mirrored_share(self) -> float:
-        """Share of the frames that play a mirror image."""
-        return float(self.provenance.mirrored.mean())
-
-    @property
-    def backwards_share(self) -> float:
-        """Share of the frames that play a recording backwards."""
-        return float(self.provenance.backwards.mean())
-
-    @property
-    def nearest(self) -> float | None:
-        """Metres from the target at which the performer came nearest to it; None without a target."""
-        target = self.parameters["target"]
-        return None if target is None else float(np.hypot(*(self.trail - target).T).min())
-
-    @property
-    def aside(self) -> float | None:
-        """Median of the metres between the performer and the route; None without a route."""
-        route = self.parameters["route"]
-        return None if route is None else float(np.median(_distance_to_line(self.trail, np.asarray(route))))
-
-    @cached_property
-    def spans(self) -> tuple[Span, ...]:
-        """The stretches between transitions; they tile the performance."""
-        where, fps = self.provenance, self.motion.fps
-        bounds = [0, *self.performance.cuts.tolist(), self.motion.frame_count]
-        out = []
-        for a, b in itertools.pairwise(bounds):
-            source = int(where.recording[a])
-            facts = self.sources[source]
-            first, last = sorted((float(where.source_frame[a]), float(where.source_frame[b - 1])))
-            end = min(last + max(1.0, facts.fps / fps), float(facts.frames))
-            out.append(Span(a, b, source, first, end, bool(where.mirrored[a]), bool(where.backwards[a])))
-        return tuple(out)
-
-    @cached_property
-    def crossings(self) -> tuple[Crossing, ...]:
-        """The transitions that were used."""
-        where, net = self.provenance, self.network
-        out = []
-        for cut in self.performance.cuts.tolist():
-            before, after = int(where.path[cut - 1]), int(where.path[cut])
-            low = int(net.indptr[before])
-            at = low + int(np.flatnonzero(net.successors(before) == after)[0])
-            out.append(
-                Crossing(
-                    cut,
-                    int(where.recording[cut - 1]),
-                    float(where.source_frame[cut - 1]),
-                    int(where.recording[cut]),
-                    float(where.source_frame[cut]),
-                    float(net.distance[at]),
-                    bool(where.mirrored[cut] != where.mirrored[cut - 1]),
-                )
-            )
-        return tuple(out)
-
-    def extras(self) -> dict[str, NDArray[Any]]:
-        """The provenance of every frame as arrays of shape (frames,), to be kept beside the motion."""
-        where = self.provenance
-        return {
-            "provenance_source": where.recording.astype(np.int32),
-            "provenance_source_frame": where.source_frame,
-            "provenance_mirrored": where.mirrored,
-            "provenance_backwards": where.backwards,
-            "provenance_transition": where.transition,
-            "provenance_weight": where.weight,
-        }
-
-    def to_dict(self) -> dict[str, Any]:
-        """All of it in plain values, as ``*.provenance.json`` holds it (`kinesics.report.performance_schema`)."""
-        from kinesics import __version__
-
-        motion, net = self.motion, self.network
-        return {
-            "schema_version": SCHEMA_VERSION,
-            "kinesics_version": __version__,
-            "parameters": dict(self.parameters),
-            "sources": [
-                {**facts._asdict(), "duration_s": _rounded(facts.frames / facts.fps)} for facts in self.sources
-            ],
-            "output": {
-                "name": motion.name,
-                "frames": motion.frame_count,
-                "fps": motion.fps,
-                "duration_s": _rounded(motion.duration),
-                "skeleton": motion.skeleton.name,
-                "joints": list(motion.skeleton.joint_names),
-                "assumptions": list(motion.assumptions),
-                "warnings": list(motion.warnings),
-            },
-            "network": {
-                "paths": len(net),
-                "successors": len(net.indices),
-                "seconds": _rounded(net.seconds),
-                "threshold": net.threshold,
-                "rule": net.rule,
-                "pruned": [
-                    {"source": p.recording, "strand": p.strand, "seconds": _rounded(p.seconds), "why": p.why}
-                    for p in net.pruned
-                ],
-            },
-            "goal": {
-                "attained": self.attained,
-                "outcome": list(self.outcome),
-                "length_m": _rounded(self.length),
-                "nearest_m": None if self.nearest is None else _rounded(self.nearest),
-                "aside_m": None if self.aside is None else _rounded(self.aside),
-            },
-            "mirrored_share": _rounded(self.mirrored_share),
-            "backwards_share": _rounded(self.backwards_share),
-            "spans": [
-                {**s._asdict(), "source_start": _rounded(s.source_start), "source_end": _rounded(s.source_end)}
-                for s in self.spans
-            ],
-            "transitions": [
-                {
-                    "frame": c.frame,
-                    "time_s": _rounded(c.frame / motion.fps),
-                    "from": {"source": c.from_source, "frame": _rounded(c.from_frame)},
-                    "to": {"source": c.to_source, "frame": _rounded(c.to_frame)},
-                    "distance": c.distance,
-                    "mirrors": c.mirrors,
-                }
-                for c in self.crossings
-            ],
-        }
 
 
 def perform(
@@ -659,18 +425,3 @@ def _doubts(
             advice = ": give more seconds"
         out.append(told + advice)
     return tuple(out)
-
-
-def _distance_to_line(points: Array, corners: Array) -> Array:
-    """Metres from each point to the nearest place on a line of straight pieces: shape (n,)."""
-    least = np.full(len(points), np.inf)
-    for a, b in itertools.pairwise(corners):
-        along = b - a
-        square = float(along @ along)
-        t = np.clip((points - a) @ along / square, 0.0, 1.0) if square > 0.0 else np.zeros(len(points))
-        least = np.minimum(least, np.hypot(*(points - a - t[:, None] * along).T))
-    return least
-
-
-def _rounded(value: float) -> float:
-    return round(float(value), 6)
