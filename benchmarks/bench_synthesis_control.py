@@ -122,7 +122,7 @@ def chirality(motions: Sequence[kx.Motion]) -> Table:
          "worst miss", "time saved"],
         rows,
         [f"Turns to the right only: 91_01 from {ONE_SIDED[0]:g} to {ONE_SIDED[1]:g} s, and straight walks. All walks turn to "
-         "either side as they are (91_01 walks a figure of eight), so there mirrored copies add choice but no new direction."],
+         "either side as they are (91_01 walks a figure of eight): mirrored copies add no direction that was missing."],
     )  # fmt: skip
 
 
