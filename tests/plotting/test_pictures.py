@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import itertools
 import subprocess
 import sys
 from collections.abc import Callable
@@ -11,12 +13,13 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 from matplotlib.image import AxesImage
+from PIL import Image
 
 import bodies
 import kinesics as kx
 from kinesics import plotting
 from kinesics.errors import InputError
-from kinesics.plotting.canvas import figure_bytes
+from kinesics.plotting.canvas import figure_bytes, show_pixels
 
 
 def _image(ax: Axes) -> np.ndarray:
@@ -136,6 +139,34 @@ def test_a_long_recording_is_pooled_to_the_pixels_of_the_axes() -> None:
     image = _image(plotting.similarity_plot((z, np.zeros_like(z)), ax=ax))
     assert image.shape[:2] == (200, 200)
     assert (image[..., 0] == 255).sum() == 2
+
+
+@pytest.mark.parametrize("pixels", [(200, 200), (200, 150), (197, 203)])
+def test_the_pixels_of_a_plot_are_on_paper_as_they_are(pixels: tuple[int, int]) -> None:
+    """Where the axes have as many pixels, each is one pixel of the file; matplotlib's own way agrees, and does the rest."""
+    rng = np.random.default_rng(5)
+    values = rng.integers(0, 256, (pixels[1], pixels[0], 3), dtype=np.uint8)
+    pages = []
+    for own in (True, False):
+        figure = plotting.new_figure(3, 3, dpi=100)
+        ax = figure.add_axes((0.1, 0.1, 2 / 3, 2 / 3))
+        ax.set_axis_off()
+        if own:
+            show_pixels(ax, values, (2.0, 3.0), aspect=2 / 3)
+        else:
+            ax.imshow(values, origin="lower", extent=(0, 2, 0, 3), interpolation="nearest", aspect=2 / 3)
+        pages.append(np.asarray(Image.open(io.BytesIO(figure_bytes(figure, ".png")))))
+    np.testing.assert_array_equal(*pages)
+    if pixels == (200, 200):
+        np.testing.assert_array_equal(pages[0][70:270, 30:230], values[::-1])
+
+
+def test_what_is_see_through_stays_so() -> None:
+    """A figure without paper has an alpha channel; one of ours has none, and is a third smaller for it."""
+    figure = plotting.new_figure(1, 1)
+    assert Image.open(io.BytesIO(figure_bytes(figure, ".png"))).mode == "RGB"
+    figure.set_facecolor("none")
+    assert Image.open(io.BytesIO(figure_bytes(figure, ".png"))).getpixel((3, 3)) == (255, 255, 255, 0)
 
 
 def test_long_curves_keep_their_peaks() -> None:
@@ -264,6 +295,19 @@ def test_left_is_on_the_right_of_the_paper_from_the_front() -> None:
     strokes = compute_strokes(bodies.arms_swinging(3), [0], view="front")
     left = [s for s, side in zip(strokes.segments[0], strokes.sides, strict=True) if side == "left"]
     assert max(s[:, 0].max() for s in left) > 0.5
+
+
+def test_each_bone_is_in_one_limb_and_limbs_do_not_jump() -> None:
+    """Bones of a limb follow one another joint to joint, on one side of the body."""
+    from kinesics.plotting.stick_figures import compute_strokes
+
+    strokes = compute_strokes(bodies.arms_swinging(3), [0])
+    assert sorted(bone for limb in strokes.limbs for bone in limb) == list(range(len(strokes.sides)))
+    assert len(strokes.limbs) < 0.7 * len(strokes.sides)
+    for limb in strokes.limbs:
+        assert len({(strokes.sides[bone], strokes.widths[bone]) for bone in limb}) == 1
+        for bone, following in itertools.pairwise(limb):
+            np.testing.assert_array_equal(strokes.segments[0, bone, 1], strokes.segments[0, following, 0])
 
 
 def test_what_cannot_be_drawn_is_refused() -> None:

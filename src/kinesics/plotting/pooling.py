@@ -8,7 +8,7 @@ in exactly one pixel row, and no signal is dropped.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from kinesics.similarity import Weights
 
 Float32 = NDArray[np.float32]
+_TILE_STEP: Final = 16
+"""Sides of tiles are multiples of it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,25 +108,21 @@ def pooled_similarity(
     frames = len(poses)
     bins = min(frames, size)
     starts = bin_starts(frames, bins)
-    nearest, nearest_mirror = (np.full((bins, bins), np.inf, dtype=np.float32) for _ in range(2))
-    for tile in tiles(poses, weights=weights, half=True, progress=progress):
-        rows, row_edges = _bins_within(starts, tile.rows)
-        columns, column_edges = _bins_within(starts, tile.columns)
-        for out, d in ((nearest, tile.d), (nearest_mirror, tile.d_mirror)):
-            least = _blocks(np.minimum, d, row_edges, column_edges)
-            np.minimum(out[rows, columns], least, out=out[rows, columns])
-    for out in (nearest, nearest_mirror):
-        np.minimum(out, out.T.copy(), out=out)
+    counts = np.diff(starts, append=frames)
+    # the first frames of all bins, then their second ones, …: a tile then holds one cell of every block, and the least of a block
+    # is the least of some tiles. A bin that has fewer frames repeats its last one, and so does the last bin up to a full tile
+    width = -(-bins // _TILE_STEP) * _TILE_STEP
+    turns = np.minimum(np.arange(counts.max())[:, None], counts - 1)
+    order = np.pad(starts + turns, ((0, 0), (0, width - bins)), mode="edge").ravel()
+    nearest, nearest_mirror = (np.full((width, width), np.inf, dtype=np.float32) for _ in range(2))
+    for tile in tiles(poses.quaternions[order], weights=weights, size=width, half=True, progress=progress):
+        np.minimum(nearest, tile.d, out=nearest)
+        np.minimum(nearest_mirror, tile.d_mirror, out=nearest_mirror)
+    nearest, nearest_mirror = (np.minimum(d, d.T)[:bins, :bins] for d in (nearest, nearest_mirror))
+    np.fill_diagonal(nearest, 0.0)  # of a frame and itself; rounding leaves up to 4e-7
     contrast = default_beta(poses, weights) if beta is None else float(beta)
     z, z_mirror = (np.exp(np.float32(-contrast) * d) for d in (nearest, nearest_mirror))
     return PooledSimilarity(z, z_mirror, contrast, frames, poses.fps)
-
-
-def _bins_within(starts: NDArray[np.intp], frames: slice) -> tuple[slice, NDArray[np.intp]]:
-    """The bins that a range of frames meets, and where each begins within the range."""
-    first = int(np.searchsorted(starts, frames.start, side="right")) - 1
-    last = int(np.searchsorted(starts, frames.stop, side="left"))
-    return slice(first, last), np.maximum(starts[first:last] - frames.start, 0)
 
 
 def _blocks(best: np.ufunc, matrix: Float32, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Float32:

@@ -86,7 +86,7 @@ def similarity_plot(
     layers = _layers(sim, kind, min(canvas.pixel_size(ax)), fps, beta)
     image = blend(layers.z, layers.z_mirror, palette)
     extent = _span(layers)
-    ax.imshow(image, origin="lower", extent=(0.0, extent, 0.0, extent), interpolation="nearest", aspect="equal")
+    canvas.show_pixels(ax, image, (extent, extent), aspect=1.0)
     unit = "s" if layers.fps else "frames"
     ax.set_xlabel(f"time $t_i$ ({unit})", fontsize=11)
     ax.set_ylabel(f"time $t_j$ ({unit})", fontsize=11)
@@ -145,7 +145,7 @@ def similarity_triangle(
     extent = _span(layers)
     # a pixel is one cell wide and two lags high: with an aspect of one half it is square
     height = 2.0 * shape[0] * extent / shape[1]
-    ax.imshow(image, origin="lower", extent=(0.0, extent, 0.0, height), interpolation="nearest", aspect=0.5)
+    canvas.show_pixels(ax, image, (extent, height), aspect=0.5)
     # a white signal that reaches the edge would run out into the paper
     ax.plot([0.0, extent / 2.0, extent], [0.0, extent, 0.0], color=canvas.FAINT, linewidth=0.8, clip_on=False)
     ax.set_xlim(0.0, extent)
@@ -178,17 +178,18 @@ def rotate_to_triangle(matrix: NDArray[np.float32], width: int) -> Float32:
     """
     factor = max(1, width // len(matrix))
     m = len(matrix) * factor
-    c, r = np.arange(m)[None, :], np.arange((m + 1) // 2)[:, None]
-    low, high = c - r, c + r
-    inside = (low >= 0) & (high < m)
     if factor > 1:
+        c, r = np.arange(m)[None, :], np.arange((m + 1) // 2)[:, None]
+        low, high = c - r, c + r
         middle = factor // 2
         between = _between_cells(matrix, (low - middle) / factor, (high - middle) / factor)
-        return np.where(inside, between, 0.0).astype(np.float32)
-    even = matrix[np.where(inside, low, 0), np.where(inside, high, 0)]
-    odd = matrix[np.where(inside, low, 0), np.minimum(np.where(inside, high + 1, 0), m - 1)]
-    odd = np.where(high + 1 < m, odd, 0.0)
-    return np.where(inside, np.maximum(even, odd), 0.0).astype(np.float32)
+        return np.where((low >= 0) & (high < m), between, 0.0).astype(np.float32)
+    out = np.zeros(((m + 1) // 2, m), dtype=np.float32)
+    for lag, row in enumerate(out):
+        even, odd = matrix.diagonal(2 * lag), matrix.diagonal(2 * lag + 1)
+        row[lag : lag + len(even)] = even
+        np.maximum(row[lag : lag + len(odd)], odd, out=row[lag : lag + len(odd)])
+    return out
 
 
 def _between_cells(matrix: Float32, i: NDArray[np.float64], j: NDArray[np.float64]) -> NDArray[np.float64]:

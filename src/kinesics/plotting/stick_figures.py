@@ -50,6 +50,8 @@ class Strokes(NamedTuple):
     """Shape (frames, 2)."""
     head_radius: float
     """Metres."""
+    limbs: tuple[tuple[int, ...], ...]
+    """Bones of one side and width that run on from one another: each is drawn in one stroke."""
 
 
 def stick_figure(
@@ -185,13 +187,30 @@ def compute_strokes(motion: Motion, frames: ArrayLike, *, view: View = "three-qu
         centres = flat[:, base] + unit * np.maximum(length * 0.5, radius)
     else:
         radius, centres = 0.0, flat[:, 0]
+    side_of = tuple(sides[parents[j]] if j >= skeleton.joint_count else sides[j] for j in ends)
+    widths = tuple(0.45 if fine[j if j < skeleton.joint_count else parents[j]] else 1.0 for j in ends)
     return Strokes(
         segments=np.stack([flat[:, starts], flat[:, ends]], axis=2),
-        sides=tuple(sides[parents[j]] if j >= skeleton.joint_count else sides[j] for j in ends),
-        widths=tuple(0.45 if fine[j if j < skeleton.joint_count else parents[j]] else 1.0 for j in ends),
+        sides=side_of,
+        widths=widths,
         head_centres=centres,
         head_radius=float(radius),
+        limbs=_limbs(starts, ends, list(zip(side_of, widths, strict=True))),
     )
+
+
+def _limbs(starts: Sequence[int], ends: Sequence[int], looks: Sequence[object]) -> tuple[tuple[int, ...], ...]:
+    """Bones, given by the joints they lead from and to, in chains of one look."""
+    chains: list[list[int]] = []
+    growing: dict[tuple[int, object], list[int]] = {}
+    for bone, (start, end, look) in enumerate(zip(starts, ends, looks, strict=True)):
+        chain = growing.pop((start, look), None)
+        if chain is None:
+            chain = []
+            chains.append(chain)
+        chain.append(bone)
+        growing[end, look] = chain
+    return tuple(tuple(chain) for chain in chains)
 
 
 def _understood(motion: Motion) -> tuple[Motion, anatomy.Anatomy | None]:
@@ -297,27 +316,31 @@ def draw_strokes(
         red, green, blue = (1.0 - strength * (1.0 - v) for v in to_rgb(colour))
         return red, green, blue
 
+    bones = strokes.segments[row] * factor + shift
     lines = LineCollection(
-        list(strokes.segments[row] * factor + shift),
-        colors=[faded(ink[side]) for side in strokes.sides],
-        linewidths=[line_width * w for w in strokes.widths],
+        [np.concatenate([bones[limb[0], :1], bones[list(limb), 1]]) for limb in strokes.limbs],
+        colors=[faded(ink[strokes.sides[limb[0]]]) for limb in strokes.limbs],
+        linewidths=[line_width * strokes.widths[limb[0]] for limb in strokes.limbs],
         capstyle="round",
+        joinstyle="round",
     )
-    ax.add_collection(lines, autolim=True)
+    # what it covers is known: matplotlib takes long to find out
+    ax.add_collection(lines, autolim=False)
+    ax.update_datalim(bones.reshape(-1, 2))
     if strokes.head_radius > 0.0:
-        size = 2.0 * strokes.head_radius * factor
+        radius = strokes.head_radius * factor
         centre = strokes.head_centres[row] * factor + shift
-        ax.add_patch(
-            Ellipse(
-                (float(centre[0]), float(centre[1])),
-                float(size[0]),
-                float(size[1]),
-                facecolor="white",
-                edgecolor=faded(canvas.INK),
-                linewidth=line_width,
-                zorder=2.1,
-            )
+        head = Ellipse(
+            (float(centre[0]), float(centre[1])),
+            2.0 * float(radius[0]),
+            2.0 * float(radius[1]),
+            facecolor="white",
+            edgecolor=faded(canvas.INK),
+            linewidth=line_width,
+            zorder=2.1,
         )
+        ax.add_artist(head)
+        ax.update_datalim([centre - radius, centre + radius])
 
 
 def _frame_figures(ax: Axes) -> None:
