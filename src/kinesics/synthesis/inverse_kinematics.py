@@ -35,6 +35,8 @@ _HINGE_SHARE: Final = 0.8
 """Share of a knee's turning that must go about one axis for that axis to be its hinge."""
 _HINGE_SWING: Final = np.deg2rad(5.0)
 """Standard deviation that a knee must turn by for its axis to be told."""
+_NEXT: Final = [1, 2, 0]
+_LAST: Final = [2, 0, 1]
 _BACKWARD_KNEE: Final = -0.15
 """Radians: knees that bend the wrong way by more are taken to be meant."""
 
@@ -142,9 +144,7 @@ def reach(
     where, world = kinematics.forward(skeleton, rotations, root_positions) if known is None else known
     femurs, tibias, feet = list(limbs.femurs), list(limbs.tibias), list(limbs.feet)
     hip, knee, ankle = where[:, femurs], where[:, tibias], where[:, feet]
-    bend, swing, wanted = _bend_and_swing(
-        hip, knee, ankle, targets, quaternion.rotate(world[:, tibias], limbs.hinges)
-    )
+    bend, swing, wanted = _bend_and_swing(hip, knee, ankle, targets, quaternion.rotate(world[:, tibias], limbs.hinges))
     out = rotations.copy()
     parents = skeleton.parents
     lower = quaternion.multiply(swing, bend)
@@ -174,7 +174,7 @@ def _bend_and_swing(hip: Array, knee: Array, ankle: Array, target: Array, hinge:
     along_u, along_v = np.sum(axis * u, axis=-1), np.sum(axis * v, axis=-1)
     c = along_u * along_v
     cosine = np.sum(u * v, axis=-1)
-    a, b = cosine - c, np.sum(u * np.cross(axis, v), axis=-1)
+    a, b = cosine - c, np.sum(u * _cross(axis, v), axis=-1)
     size = np.hypot(a, b)
     wanted = (far**2 - l1**2 - l2**2) / (2.0 * l1 * l2)
     bent = -np.arctan2(b, a)
@@ -209,13 +209,18 @@ def _between(a: Array, b: Array) -> Array:
     halfway = a + b
     w = 0.5 * _length(halfway)
     safe = w > 1e-9
-    vector = np.cross(a, halfway) / np.where(safe, 2.0 * w, 1.0)[..., None]
+    vector = _cross(a, halfway) / np.where(safe, 2.0 * w, 1.0)[..., None]
     q = np.concatenate([np.where(safe, w, 1.0)[..., None], np.where(safe[..., None], vector, 0.0)], axis=-1)
     return np.asarray(q / _length(q)[..., None])
 
 
 def _local(parent: Array, world: Array) -> Array:
     return quaternion.multiply(quaternion.conjugate(parent), world)
+
+
+def _cross(a: Array, b: Array) -> Array:
+    """For few vectors at a time ``np.cross`` takes longer to prepare than to compute."""
+    return np.asarray(a[..., _NEXT] * b[..., _LAST] - a[..., _LAST] * b[..., _NEXT])
 
 
 def _length(v: Array) -> Array:

@@ -112,7 +112,10 @@ def measure(performance: Performance, repertoire: Repertoire, *, threshold: floa
     # the same moments as they were recorded
     frame = repertoire.frame_of(came.moment)[1:-1][at]
     image = came.mirrored[1:-1][at].astype(np.intp)
-    was_turned, was_pushed = own.turnings[image, frame] / own.turning, own.accelerations[image, frame] / own.acceleration
+    was_turned, was_pushed = (
+        own.turnings[image, frame] / own.turning,
+        own.accelerations[image, frame] / own.acceleration,
+    )
     slides, feet, sunk = _feet(motion, stage)
     share = float(feet.mean())
     frame_all, image_all = repertoire.frame_of(came.moment), came.mirrored.astype(np.intp)

@@ -69,7 +69,7 @@ ANKLE_ROUNDS: Final = 4
 _NOTHING: Final = np.deg2rad(0.2)
 YIELD: Final = 0.1
 """Seconds before and after over which a joint goes back that would go beyond its range."""
-LEAN: Final = 0.25
+LEAN: Final = 0.15
 """Seconds before and after over which the body follows what its feet were moved by."""
 _FLIGHT: Final = 0.05
 """What weighs for no shift at all, so that a body in flight comes back."""
