@@ -140,9 +140,9 @@ UPPER_LEG = [
 ]
 # along the arm; half breadth across (up), front, back
 UPPER_ARM = [
-    (-0.02, 0.058, 0.056, -0.056),
-    (0.05, 0.053, 0.054, -0.053),
-    (0.10, 0.047, 0.051, -0.049),
+    (-0.02, 0.044, 0.050, -0.050),
+    (0.05, 0.047, 0.052, -0.051),
+    (0.10, 0.046, 0.051, -0.049),
     (0.16, 0.045, 0.048, -0.047),
     (0.22, 0.042, 0.043, -0.044),
     (0.28, 0.039, 0.039, -0.041),
@@ -259,7 +259,7 @@ def trunk(p: Array) -> Array:
     seat = ellipsoid(folded, (0.076, 0.885, -0.062), (0.080, 0.085, 0.070))
     for part in (breast, blade, seat):
         body = smooth_union(body, part, k=0.04)
-    slope = cone(folded, np.array([0.02, 1.474, -0.034]), SHOULDER + np.array([0.0, 0.012, -0.004]), 0.058, 0.052)
+    slope = cone(folded, np.array([0.02, 1.474, -0.034]), SHOULDER + np.array([0.004, 0.002, -0.004]), 0.060, 0.052)
     return smooth_union(body, slope, k=0.045)
 
 
@@ -267,7 +267,7 @@ def arm(p: Array) -> Array:
     """Shoulder to wrist."""
     q = along_arm(p)
     tube = loft(q[:, 0], q[:, 1], q[:, 2], UPPER_ARM)
-    deltoid = ellipsoid(p, tuple(SHOULDER + 0.035 * ARM + [0.004, 0.002, 0.0]), (0.056, 0.062, 0.058))
+    deltoid = ellipsoid(p, tuple(SHOULDER + 0.045 * ARM + [-0.002, -0.004, 0.0]), (0.050, 0.058, 0.057))
     return smooth_union(tube, deltoid, k=0.03)
 
 
@@ -411,14 +411,18 @@ def weights(vertices: Array, faces: NDArray[np.intp]) -> Array:
     u, across, _ = along_arm(p).T
     beside_arm = (u > 0.16) & (across > -0.16)
     # the shoulder: what is nearer to the arm's shape than to the trunk's, and beyond the joint
-    of_arm = ramp(body - np.minimum(arm(p), hand(p)), 0.004, 0.030) * ramp(u, 0.015, 0.05) * (height > 1.1)
+    of_arm = (
+        ramp(body - np.minimum(arm(p), hand(p)), 0.004, 0.035)
+        * ramp(u + 0.25 * np.maximum(-across, 0.0), 0.030, 0.060)
+        * (height > 1.1)
+    )
     of_arm = np.where(beside_arm, 1.0, of_arm)
     # the groin: what lies below the hip joint goes with the leg, more of it at the outside and in front
     line = HIP[1] - 0.045 + 0.55 * (p[:, 0] - HIP[0]) + 0.25 * p[:, 2]
     of_leg = np.where(beside_arm, 0.0, ramp(line - height, 0.0, 0.055))
     out = np.zeros((len(p), len(BONES)))
-    forearm = ramp(u, 0.318, 0.036)
-    palm = ramp(u, 0.566, 0.030)
+    forearm = ramp(u, 0.318, 0.040)
+    palm = ramp(u, 0.555, 0.045)
     out[:, 2], out[:, 3], out[:, 4] = of_arm * (1 - forearm), of_arm * forearm * (1 - palm), of_arm * palm
     along = (p - HIP) @ LEG
     shank = ramp(along, 0.427, 0.045)
@@ -440,7 +444,7 @@ def weights(vertices: Array, faces: NDArray[np.intp]) -> Array:
     stiff = coo_array((strength, (pairs[:, 0], pairs[:, 1])), shape=(n, n)).tocsr()
     stiff = stiff + stiff.T
     laplacian = diags_array(stiff.sum(axis=1)) - stiff
-    solve = splu((diags_array(area) + 0.010**2 * laplacian).tocsc())
+    solve = splu((diags_array(area) + 0.013**2 * laplacian).tocsc())
     out = np.maximum(solve.solve(area[:, None] * out), 0.0)
     out[out < 0.01] = 0.0
     return np.asarray(out / out.sum(axis=1, keepdims=True))
