@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +34,15 @@ class Place:
     """The same for a state and its mirror image."""
     side: int
     """0 on the axis, −1 left, 1 right."""
+
+
+class _Met(NamedTuple):
+    """Where arrows are in the way."""
+
+    crossing: NDArray[np.bool_]
+    """Whether arrows cross, shape (arrows, arrows)."""
+    covered: NDArray[np.bool_]
+    """Whether a state lies under an arrow, shape (states, arrows)."""
 
 
 def lay_out(places: Sequence[Place], arrows: Sequence[tuple[int, int]], *, seed: int = 0, sweeps: int = 40) -> Array:
@@ -61,6 +70,11 @@ class _Annealing:
         self.central = np.array([any(p.orbit == o and p.side == 0 for p in places) for o in self.orbits])
         joined = sorted({(min(a, b), max(a, b)) for a, b in arrows if a != b})
         self.arrows = np.array(joined, dtype=np.intp).reshape(-1, 2)
+        # arrows that share an end do not cross, and a state does not lie under its own arrows
+        shared = (self.arrows[:, None, :, None] == self.arrows[None, :, None, :]).any(axis=(2, 3))
+        self.may_cross = ~shared
+        self.may_cover = ~(np.arange(len(places))[:, None, None] == self.arrows[None]).any(axis=-1)
+        self.known: dict[tuple[int, ...], tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]] = {}
         self.members = [np.flatnonzero(self.of == k) for k in range(len(self.orbits))]
         self.touching = [np.flatnonzero((self.of[self.arrows] == k).any(axis=1)) for k in range(len(self.orbits))]
         middle, outer = int(self.central.sum()), int((~self.central).sum())
@@ -84,6 +98,7 @@ class _Annealing:
 
     def run(self, sweeps: int) -> Array:
         where = self.points()
+        met = self._met(where)
         steps = min(sweeps * len(self.orbits), _MOST_STEPS)
         hot = 2.0
         best, best_cost, cost = list(self.cell), 0.0, 0.0
@@ -94,16 +109,17 @@ class _Annealing:
             if target == self.cell[k]:
                 continue
             there = self.cell.index(target) if target in self.cell else None
-            moved = [k] if there is None else [k, there]
-            before = self._cost(moved, where)
+            moved = (k,) if there is None else (k, there)
+            before = self._cost(moved, where, met)
             old = [self.cell[m] for m in moved]
             self.cell[k] = target
             if there is not None:
                 self.cell[there] = old[0]
             new = self.points()
-            change = self._cost(moved, new) - before
+            new_met = self._met_again(moved, new, met)
+            change = self._cost(moved, new, new_met) - before
             if change <= 0.0 or self.rng.random() < np.exp(-change / warmth):
-                where = new
+                where, met = new, new_met
                 cost += change
                 if cost < best_cost - 1e-9:
                     best, best_cost = list(self.cell), cost
@@ -132,28 +148,43 @@ class _Annealing:
                     column = int(np.clip(abs(goal[0]) + self.rng.integers(-1, 2), 1, self.columns))
         return column, row
 
-    def _cost(self, moved: Sequence[int], where: Array) -> float:
-        """All of the cost that depends on where these orbits stand."""
-        mine = np.unique(np.concatenate([self.touching[k] for k in moved]))
-        nodes = np.concatenate([self.members[k] for k in moved])
+    def _concerned(self, moved: tuple[int, ...]) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]:
+        """The arrows that touch these orbits, all others, and their states."""
+        if moved not in self.known:
+            mine = np.unique(np.concatenate([self.touching[k] for k in moved]))
+            rest = np.setdiff1d(np.arange(len(self.arrows)), mine)
+            self.known[moved] = mine, rest, np.concatenate([self.members[k] for k in moved])
+        return self.known[moved]
+
+    def _met(self, where: Array) -> _Met:
         starts, ends = where[self.arrows[:, 0]], where[self.arrows[:, 1]]
+        crossing = _crossing(starts, ends, starts, ends) & self.may_cross
+        return _Met(crossing, _covered(where, starts, ends) & self.may_cover)
+
+    def _met_again(self, moved: tuple[int, ...], where: Array, before: _Met) -> _Met:
+        """What changes when these orbits are moved, and all else as it was."""
+        mine, _, nodes = self._concerned(moved)
+        starts, ends = where[self.arrows[:, 0]], where[self.arrows[:, 1]]
+        crossing, covered = before.crossing.copy(), before.covered.copy()
+        rows = _crossing(starts[mine], ends[mine], starts, ends) & self.may_cross[mine]
+        crossing[mine], crossing[:, mine] = rows, rows.T
+        covered[nodes] = _covered(where[nodes], starts, ends) & self.may_cover[nodes]
+        covered[:, mine] = _covered(where, starts[mine], ends[mine]) & self.may_cover[:, mine]
+        return _Met(crossing, covered)
+
+    def _cost(self, moved: tuple[int, ...], where: Array, met: _Met) -> float:
+        """All of the cost that depends on where these orbits stand."""
+        mine, rest, nodes = self._concerned(moved)
         # rows are read from the top: the slightest pull keeps the order where nothing else decides
         total = 1e-2 * float(
             sum(abs(self.cell[k][1] - k * (self.rows - 1) / max(1, len(self.orbits) - 1)) for k in moved)
         )
-        if len(mine):
-            total += float(((ends[mine] - starts[mine]) ** 2).sum())
-            crossing = _crossing(starts[mine], ends[mine], starts, ends, self.arrows[mine], self.arrows)
-            among = crossing[:, mine]
-            total += CROSSING * (float(crossing.sum()) - 0.5 * float(among.sum()))
-            everyone = np.arange(len(where))
-            total += COVERING * float(_covered(where, everyone, starts[mine], ends[mine], self.arrows[mine]).sum())
-        if len(self.arrows):
-            rest = np.ones(len(self.arrows), dtype=bool)
-            rest[mine] = False
-            over = _covered(where[nodes], nodes, starts[rest], ends[rest], self.arrows[rest])
-            total += COVERING * float(over.sum())
-        return total
+        along = where[self.arrows[mine, 1]] - where[self.arrows[mine, 0]]
+        total += float((along**2).sum())
+        crossing = met.crossing[mine]
+        total += CROSSING * (np.count_nonzero(crossing) - 0.5 * np.count_nonzero(crossing[:, mine]))
+        over = np.count_nonzero(met.covered[:, mine]) + np.count_nonzero(met.covered[nodes][:, rest])
+        return total + COVERING * over
 
     def _tidy(self, points: Array) -> Array:
         """Without empty rows and columns, the middle of the picture at height 0."""
@@ -166,31 +197,24 @@ class _Annealing:
         return points
 
 
-def _crossing(a: Array, b: Array, c: Array, d: Array, ab: NDArray[np.intp], cd: NDArray[np.intp]) -> NDArray[np.bool_]:
-    """Whether segments a-b cross segments c-d away from shared ends; shape (len(a), len(c))."""
+def _crossing(a: Array, b: Array, c: Array, d: Array) -> NDArray[np.bool_]:
+    """Whether segments a-b cross segments c-d between their ends; shape (len(a), len(c))."""
 
-    def turn(p: Array, q: Array, r: Array) -> Array:
-        return np.asarray(
-            (q[..., 0] - p[..., 0]) * (r[..., 1] - p[..., 1]) - (q[..., 1] - p[..., 1]) * (r[..., 0] - p[..., 0])
-        )
+    def turns(p: Array, q: Array, r: Array) -> Array:
+        """Of p-q to r, a positive number to the left; shape (len(p), len(r))."""
+        x, y = (q - p).T[..., None]
+        return np.asarray(x * (r[:, 1] - p[:, 1:]) - y * (r[:, 0] - p[:, :1]))
 
-    a, b, c, d = a[:, None], b[:, None], c[None], d[None]
-    cross = (turn(a, b, c) * turn(a, b, d) < -1e-9) & (turn(c, d, a) * turn(c, d, b) < -1e-9)
-    shared = (ab[:, None, :, None] == cd[None, :, None, :]).any(axis=(2, 3))
-    return np.asarray(cross & ~shared)
+    return np.asarray((turns(a, b, c) * turns(a, b, d) < -1e-9) & (turns(c, d, a) * turns(c, d, b) < -1e-9).T)
 
 
-def _covered(
-    points: Array, names: NDArray[np.intp], starts: Array, ends: Array, arrows: NDArray[np.intp]
-) -> NDArray[np.bool_]:
-    """Whether each point, the state ``names``, lies under each segment whose end it is not; shape (points, segments)."""
-    along = ends - starts
-    squared = np.maximum((along**2).sum(axis=1), 1e-12)
-    t = ((points[:, None] - starts[None]) * along[None]).sum(axis=-1) / squared[None]
-    foot = starts[None] + np.clip(t, 0.0, 1.0)[..., None] * along[None]
-    near = ((points[:, None] - foot) ** 2).sum(axis=-1) < _CLEAR**2
-    own = (names[:, None, None] == arrows[None]).any(axis=-1)
-    return np.asarray(near & ~own)
+def _covered(points: Array, starts: Array, ends: Array) -> NDArray[np.bool_]:
+    """Whether each point lies under each segment; shape (points, segments)."""
+    x, y = (ends - starts).T
+    squared = np.maximum(x**2 + y**2, 1e-12)
+    away_x, away_y = points[:, :1] - starts[:, 0], points[:, 1:] - starts[:, 1]
+    t = np.minimum(np.maximum((away_x * x + away_y * y) / squared, 0.0), 1.0)
+    return np.asarray((away_x - t * x) ** 2 + (away_y - t * y) ** 2 < _CLEAR**2)
 
 
 def widest_gap(angles: Sequence[float], preferred: float) -> float:
