@@ -9,9 +9,9 @@ A state that leaves no trace (one way in, one way out, no stop, no turning back,
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import groupby, pairwise
+from itertools import combinations, groupby, pairwise
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -39,6 +39,12 @@ BREAK: Final = -1
 
 _AS_WELL: Final = 0.1
 """Of the distance up to which two traversals are one path: what fits so nearly as well as the best fits as well."""
+
+
+_COMPARED: Final = 6
+"""Traversals of a path, of each direction, that are compared with each other;"""
+_UNLIKE: Final = 2.5
+"""and so many times what lies between those of one direction parts the two directions."""
 
 
 class Visit(NamedTuple):
@@ -426,6 +432,46 @@ def _traverse(
     return paths, out
 
 
+def _one_way(
+    seen: _Seen,
+    visits: Sequence[Visit],
+    paths: Sequence[ReadPath],
+    traversals: Sequence[Traversal],
+    near: Nearness,
+    keys: Collection[int],
+) -> tuple[list[ReadPath], list[Traversal]]:
+    """Paths of which going forth and coming back are much less alike than two goings forth, or two comings back, made two paths.
+
+    How alike the traversals of one path are is a matter of the recording; that some go the other way must not add to it.
+    """
+    paths, traversals = list(paths), list(traversals)
+    for path in range(len(paths)):
+        numbers = [n for n, t in enumerate(traversals) if t.path == path]
+        if any(n in keys for n in numbers):
+            continue
+        back = [n for n in numbers if traversals[n].reversed]
+        forth = [n for n in numbers if not traversals[n].reversed]
+        alike = [_cost(seen, traversals, a, b) for way in (forth, back) for a, b in combinations(way[:_COMPARED], 2)]
+        across = [_cost(seen, traversals, a, b) for a in forth[:_COMPARED] for b in back[:_COMPARED]]
+        if not alike or not across or float(np.median(across)) <= max(_UNLIKE * float(np.median(alike)), near.precise):
+            continue
+        first = back[0]
+        here, there = visits[first], visits[first + 1]
+        is_mirrored = traversals[first].mirrored
+        for n in back:
+            t = traversals[n]
+            traversals[n] = Traversal(t.start, t.end, len(paths), False, t.mirrored != is_mirrored)
+        paths.append(ReadPath((here.state, here.mirrored), (there.state, there.mirrored), paths[path].symmetric))
+    return paths, traversals
+
+
+def _cost(seen: _Seen, traversals: Sequence[Traversal], a: int, b: int) -> float:
+    """Mean distance, warped, of two traversals of one path."""
+    one, other = traversals[a], traversals[b]
+    relation = (one.reversed != other.reversed, one.mirrored != other.mirrored)
+    return seen.distances((one.start, one.end), [((other.start, other.end), [relation])])[0]
+
+
 def _traceless(states: Sequence[ReadState], visits: Sequence[Visit], traversals: Sequence[Traversal]) -> set[int]:
     """States with one way in and one way out, no stop, no turning back, not symmetric.
 
@@ -625,6 +671,7 @@ def read(
             fixed = set(roles.values())
             continue
         paths, traversals = _traverse(seen, states, visits, near, keys, symmetric, breaks)
+        paths, traversals = _one_way(seen, visits, paths, traversals, near, keys)
         visited = {v.state for v in visits}
         drop = (_traceless(states, visits, traversals) | (set(range(len(states))) - visited)) - fixed
         if not drop:
