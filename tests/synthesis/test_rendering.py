@@ -177,7 +177,7 @@ def test_live_goes_the_same_way(made: Network, paths: list[int]) -> None:
     frames = list(LiveRenderer(made, paths, start=(1.0, 2.0), heading=0.5))
     assert len(frames) == len(done.motion)
     roots, rotations = np.array([f.root for f in frames]), np.array([f.rotations for f in frames])
-    assert np.abs(roots - done.motion.root_positions).max() < 0.1
+    assert np.abs(roots - done.motion.root_positions).max() < 0.15
     assert np.linalg.norm(np.diff(roots, axis=0), axis=1).max() < 0.08
     steps = quaternion.angle(rotations[1:], rotations[:-1])
     usual = quaternion.angle(done.motion.rotations[1:], done.motion.rotations[:-1])

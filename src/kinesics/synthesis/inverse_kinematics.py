@@ -146,14 +146,14 @@ def reach(
     hip, knee, ankle = where[:, femurs], where[:, tibias], where[:, feet]
     bend, swing, wanted = _bend_and_swing(hip, knee, ankle, targets, quaternion.rotate(world[:, tibias], limbs.hinges))
     out = rotations.copy()
-    parents = skeleton.parents
+    joints = [*femurs, *tibias, *feet]
     lower = quaternion.multiply(swing, bend)
+    still = np.zeros_like(swing)
+    still[..., 0] = 1.0
     # each is the old world orientation, turned, seen from its parent, turned or not
-    out[:, femurs] = _local(world[:, [parents[j] for j in femurs]], quaternion.multiply(swing, world[:, femurs]))
-    above = quaternion.multiply(swing, world[:, [parents[j] for j in tibias]])
-    out[:, tibias] = _local(above, quaternion.multiply(lower, world[:, tibias]))
-    above = quaternion.multiply(lower, world[:, [parents[j] for j in feet]])
-    out[:, feet] = _local(above, world[:, feet])
+    own = quaternion.multiply(np.concatenate([swing, lower, still], axis=1), world[:, joints])
+    above = world[:, [skeleton.parents[j] for j in joints]]
+    out[:, joints] = _local(quaternion.multiply(np.concatenate([still, swing, lower], axis=1), above), own)
     return Reached(out, wanted)
 
 

@@ -965,7 +965,7 @@ class _LiveFeet:
         self._lift += _eased(dt, SOFTLY) * (-near * lowest - self._lift)
         lift = np.maximum(self._lift, -lowest - SUNK)
         toward = (self._hold[:, None] * self._shift).sum(axis=0) / (self._hold.sum() + _FLIGHT)
-        self._lean += _eased(dt, LEAN) * (toward - self._lean)
+        self._lean += _eased(dt, LIVE_LEAN) * (toward - self._lean)
         corrected = np.stack([self._shift[:, 0], lift, self._shift[:, 1]], axis=-1)
         targets = known.positions[:, list(legs.feet)] + corrected
         shift = np.array([self._lean[0], 0.0, self._lean[1]])
@@ -979,6 +979,8 @@ class _LiveFeet:
 
 _GRASP: Final = 0.03
 """Seconds in which a foot that is on the ground after a cut is grasped."""
+LIVE_LEAN: Final = 0.4
+"""Seconds in which, live, the body follows its feet by two thirds: quicker it would lurch, for it cannot begin before."""
 RETURN: Final = 0.12
 """Seconds in which, live, a swinging foot comes back to its place in the recording by two thirds."""
 
