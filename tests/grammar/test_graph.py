@@ -542,8 +542,25 @@ def test_networkx_has_both_directions_of_a_reversible_path() -> None:
     assert nx.shortest_path(_walk().to_networkx(), "A*", "A") == ["A*", "A"]
 
 
+@pytest.mark.parametrize("size", [1, 4, 15, 40])
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_the_parts_are_those_that_networkx_finds(size: int, seed: int) -> None:
+    """Weakly and strongly connected parts of graphs at random, and of the same with half of their paths."""
+    whole = random_graph(size, seed)
+    alone = [dataclasses.replace(p, mirror_of=None) for p in whole.paths if p.id % 4 < 2]
+    for graph in (whole, MotionGraph(whole.states, tuple(alone), whole.sources)):
+        net = graph.to_networkx()
+        ids = {s.label: s.id for s in graph.states}
+        for ours, theirs in (
+            (graph.components(), nx.weakly_connected_components(net)),
+            (graph.strongly_connected(), nx.strongly_connected_components(net)),
+        ):
+            assert sorted(ours) == sorted(tuple(sorted(ids[name] for name in part)) for part in theirs)
+            assert [len(part) for part in ours] == sorted((len(part) for part in ours), reverse=True)
+
+
 def test_graphml_is_valid_and_is_read_back(performed: MotionGraph) -> None:
-    """networkx reads what it wrote: nodes, edges and every fact."""
+    """networkx reads nodes, edges and every fact as it knows them."""
     written = performed.to_graphml()
     assert ElementTree.fromstring(written).tag.endswith("graphml")
     read = nx.parse_graphml(written, force_multigraph=True)

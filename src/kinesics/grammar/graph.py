@@ -252,15 +252,13 @@ class MotionGraph:
 
     def components(self) -> tuple[tuple[int, ...], ...]:
         """Ids of the states of each part that no path joins to another, the largest first."""
-        import networkx as nx
-
-        return _by_size(nx.weakly_connected_components(self._directed()))
+        after = self._reached(both_ways=True)
+        return _by_size({frozenset(reached) for reached in after.values()})
 
     def strongly_connected(self) -> tuple[tuple[int, ...], ...]:
         """Ids of the states of each part within which every state can be reached from every other, the largest first."""
-        import networkx as nx
-
-        return _by_size(nx.strongly_connected_components(self._directed()))
+        after = self._reached()
+        return _by_size({frozenset(b for b in reached if a in after[b]) for a, reached in after.items()})
 
     def dead_ends(self) -> tuple[int, ...]:
         """Ids of the states that no path leaves for another state: there a traversal must stop or repeat itself."""
@@ -273,13 +271,21 @@ class MotionGraph:
             if p.reversible:
                 yield p.to, p.from_
 
-    def _directed(self) -> nx.DiGraph[int]:
-        import networkx as nx
-
-        graph: nx.DiGraph[int] = nx.DiGraph()
-        graph.add_nodes_from(s.id for s in self.states)
-        graph.add_edges_from(self._arrows())
-        return graph
+    def _reached(self, *, both_ways: bool = False) -> dict[int, set[int]]:
+        """The states that can be reached from each state, itself among them."""
+        beside: dict[int, set[int]] = {s.id: set() for s in self.states}
+        for a, b in self._arrows():
+            beside[a].add(b)
+            if both_ways:
+                beside[b].add(a)
+        out: dict[int, set[int]] = {}
+        for start in beside:
+            reached, new = {start}, {start}
+            while new:
+                new = set().union(*(beside[a] for a in new)) - reached
+                reached |= new
+            out[start] = reached
+        return out
 
     # other graphs from it
 
