@@ -43,9 +43,9 @@ class Quality:
 
     turning: Beside
     """Leaps of angular velocity from frame to frame, per joint as a share of the recordings' 99th percentile: the 99th
-    percentile over joints and frames of transitions; of the recordings it is 1."""
+    percentile over joints and frames of transitions; and of the same moments as they were recorded."""
     turning_over: Beside
-    """Share of them that are beyond the recordings' 99th percentile; .01 by definition in the recordings."""
+    """Share of them that are beyond the recordings' 99th percentile, which is .01 over all that was recorded."""
     acceleration: Beside
     """The same of the accelerations of the joints' places."""
     acceleration_over: Beside
