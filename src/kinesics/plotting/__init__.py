@@ -7,6 +7,7 @@
 - the motion path in the symmetry basis: `subspace_plot` (Figure 9), `composite_plot` (Figure 10)
 - the motion graph: `graph_plot`, `state_moments`, `path_strips`, `state_margin` (Figures 64-71)
 - what recurs: `motif_plot`
+- what was performed: `trail_plot` (Figure 82), `contact_sheet`
 - colours: `PALETTES`; files: `new_figure`, `save_figure`
 
 Every function takes ``ax``; without it a new figure is made that pyplot never hears of, so nothing is left open.
@@ -17,11 +18,13 @@ from __future__ import annotations
 
 from kinesics.plotting.canvas import new_figure, save_figure
 from kinesics.plotting.composite import composite_plot, subspace_plot, symmetry_coordinates
+from kinesics.plotting.contact_sheet import contact_sheet
 from kinesics.plotting.curves import speed_plot, symmetry_plot
 from kinesics.plotting.graph_drawing import graph_plot, path_strips, state_margin, state_moments
 from kinesics.plotting.motif_rows import motif_plot
 from kinesics.plotting.palettes import PALETTES, Palette, blend
 from kinesics.plotting.pooling import PooledSimilarity, pool_maximum, pooled_similarity
+from kinesics.plotting.scene import trail_plot
 from kinesics.plotting.similarity_plots import similarity_plot, similarity_triangle
 from kinesics.plotting.stick_figures import stick_figure, stick_figure_row
 
@@ -31,6 +34,7 @@ __all__ = [
     "PooledSimilarity",
     "blend",
     "composite_plot",
+    "contact_sheet",
     "graph_plot",
     "motif_plot",
     "new_figure",
@@ -48,4 +52,5 @@ __all__ = [
     "subspace_plot",
     "symmetry_coordinates",
     "symmetry_plot",
+    "trail_plot",
 ]
