@@ -11,7 +11,7 @@ from typing import Annotated, Any
 import typer
 
 from kinesics import __version__
-from kinesics.cli import analyze, convert, data, demo, info, terminal
+from kinesics.cli import analyze, convert, data, demo, info, perform, terminal
 from kinesics.errors import Cancelled, KinesicsError
 
 app = typer.Typer(
@@ -36,6 +36,11 @@ app.command(
     short_help="Compare all moments of recordings; leave a report.",
     epilog=terminal.examples(analyze.EXAMPLES),
 )(analyze.analyze)
+app.command(
+    name="perform",
+    short_help="Make new movement from recordings.",
+    epilog=terminal.examples(perform.EXAMPLES),
+)(perform.perform)
 app.command(
     name="convert", short_help="Write a recording in another format.", epilog=terminal.examples(convert.EXAMPLES)
 )(convert.convert)

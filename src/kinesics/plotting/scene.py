@@ -136,7 +136,9 @@ def trail_plot(
     dots = camera.project(_on_floor(trail[np.minimum(np.round(seconds * motion.fps).astype(int), len(trail) - 1)]))
     ax.plot(dots[:, 0], dots[:, 1], linestyle="", marker="o", markersize=3.2, color=TRAIL, zorder=3.1)
     _draw_figures(ax, camera, figures)
-    said = f"From the ring on: a figure every {step:g} s, a dot every second; a tile is a metre wide."
+    said = (
+        f"From the ring on: a figure every {step:g} s where there is room, a dot every second; a tile is a metre wide."
+    )
     ax.text(
         0.004, -0.01, said, transform=ax.transAxes, fontsize=8.5, color=canvas.INK, ha="left", va="top", clip_on=False
     )

@@ -1,0 +1,324 @@
+"""``kinesics perform FILE… --out OUT``: new movement from recordings."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from kinesics.cli import recording, terminal
+from kinesics.cli.recording import Reading
+from kinesics.errors import FileError, InputError
+
+if TYPE_CHECKING:
+    from kinesics.report.performances import Saved
+    from kinesics.synthesis.piece import Piece
+
+SUMMARY = "Make new movement from recordings."
+EXAMPLES = (
+    ("kinesics perform walk.bvh --out new.bvh --target 2,4", "walks there"),
+    ("kinesics perform a.amc b.amc --out new.glb --route eight.csv", "along a line"),
+    ("kinesics perform dance.bvh --out new.bvh --seconds 60", "never the same"),
+    ("kinesics perform a.bvh --out new.bvh --from A --to 'B*'", "state to state"),
+)
+_PANEL = "What is performed"
+_LONGEST_ROUTE = 100_000
+
+
+def perform(
+    files: Annotated[
+        list[Path], typer.Argument(metavar="FILE", show_default=False, help="Recordings to perform from; one will do.")
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out", metavar="OUT", show_default=False, help="The new movement: .bvh, .amc (and .asf), .glb or .npz."
+        ),
+    ] = None,
+    target: Annotated[
+        str | None,
+        typer.Option(
+            "--target",
+            metavar="X,Z",
+            rich_help_panel=_PANEL,
+            show_default=False,
+            help="Go to a place: metres to the left (X) and ahead (Z) of the start.",
+        ),
+    ] = None,
+    route: Annotated[
+        Path | None,
+        typer.Option(
+            "--route",
+            metavar="CSV",
+            rich_help_panel=_PANEL,
+            show_default=False,
+            help="Follow a line on the floor: a corner x,z a row, in metres from the start.",
+        ),
+    ] = None,
+    from_: Annotated[
+        str | None,
+        typer.Option(
+            "--from",
+            metavar="S",
+            rich_help_panel=_PANEL,
+            show_default=False,
+            help="Begin in this state of the motion graph: A, 'A*', X~.",
+        ),
+    ] = None,
+    to: Annotated[
+        str | None,
+        typer.Option(
+            "--to",
+            metavar="S",
+            rich_help_panel=_PANEL,
+            show_default=False,
+            help="Go to this state by the quickest way (with --from).",
+        ),
+    ] = None,
+    favour: Annotated[
+        str | None,
+        typer.Option(
+            "--favour",
+            metavar="WORD",
+            rich_help_panel=_PANEL,
+            show_default=False,
+            help="Much of this: a class, a state, a path, a recording.",
+        ),
+    ] = None,
+    seconds: Annotated[
+        float | None,
+        typer.Option(
+            "--seconds",
+            metavar="S",
+            rich_help_panel=_PANEL,
+            show_default=False,
+            help="How long; with a goal at most. 20 unless given, or what the goal may take.",
+        ),
+    ] = None,
+    linger: Annotated[
+        bool,
+        typer.Option(
+            "--linger", rich_help_panel=_PANEL, help="Go on to the end of --seconds when the goal is attained."
+        ),
+    ] = False,
+    seed: Annotated[
+        int, typer.Option("--seed", metavar="N", rich_help_panel=_PANEL, help="Another number, another performance.")
+    ] = 0,
+    beta: Annotated[
+        float,
+        typer.Option(
+            "--beta", metavar="B", rich_help_panel=_PANEL, help="How strictly the goal decides: 0 strolls, inf never."
+        ),
+    ] = 100.0,
+    backwards: Annotated[
+        bool, typer.Option("--backwards", rich_help_panel=_PANEL, help="Recordings may be played backwards, too.")
+    ] = False,
+    no_mirror: Annotated[
+        bool, typer.Option("--no-mirror", rich_help_panel=_PANEL, help="No mirror images of the recordings.")
+    ] = False,
+    threshold: Annotated[
+        float | None,
+        typer.Option(
+            "--threshold",
+            metavar="D",
+            rich_help_panel=_PANEL,
+            show_default=False,
+            help="Largest mean distance D of a transition; found unless given.",
+        ),
+    ] = None,
+    skeleton_of: Annotated[
+        Path | None,
+        typer.Option(
+            "--skeleton-of",
+            metavar="FILE",
+            rich_help_panel=_PANEL,
+            show_default=False,
+            help="Perform on the body of this recording; of the first unless given.",
+        ),
+    ] = None,
+    fps: Annotated[
+        float | None,
+        typer.Option(
+            "--fps",
+            metavar="F",
+            rich_help_panel=_PANEL,
+            show_default=False,
+            help="Frames a second of the new movement; of the first unless given.",
+        ),
+    ] = None,
+    overwrite: recording.Overwrite = False,
+    json: recording.Json = False,
+    skeleton: recording.Skeleton = None,
+    map_: recording.Map = None,
+    unit: recording.Unit = None,
+    up: recording.Up = None,
+) -> None:
+    """Make new movement from recordings, over the moments at which one can pass into another.
+
+    Where nothing is to be gone for, it goes on for --seconds without repeating itself more than it must.
+    Beside OUT are left OUT's provenance.json (where every frame comes from) and a picture of the way over the floor.
+    """
+    from kinesics.report import performances
+    from kinesics.synthesis.perform import performance
+
+    if out is None and not json:
+        raise typer.BadParameter(
+            "Say where the new movement goes, such as --out new.bvh (or ask for --json alone).", param_hint="--out"
+        )
+    if out is not None:
+        for file in (*files, *([skeleton_of] if skeleton_of else [])):
+            if out.exists() and file.exists() and out.samefile(file):
+                raise InputError(f"'{out}' is one of the recordings; give the new movement another name.")
+        performances.check_output(out, overwrite=overwrite)
+    place = None if target is None else _target(target)
+    line = None if route is None else _route(route)
+    reading = Reading(skeleton, map_, unit, up)
+    saved = None
+    with terminal.Bar("Performing") as bar:
+        motions = []
+        for number, file in enumerate(files):
+            bar(0.15 * number / len(files), f"reading {file.name}")
+            motions.append(reading.read(file))
+        body = None if skeleton_of is None else reading.read(skeleton_of).skeleton
+        piece = performance(
+            motions,
+            target=place,
+            route=line,
+            from_state=from_,
+            to_state=to,
+            favour=favour,
+            seconds=seconds,
+            linger=linger,
+            seed=seed,
+            beta=beta,
+            mirrored=not no_mirror,
+            backwards=backwards,
+            skeleton=body,
+            fps=fps,
+            threshold=threshold,
+            mapping=reading.mapping(),
+            progress=bar.part(0.15, 0.8),
+        )
+        if out is not None:
+            saved = performances.save_performance(piece, out, overwrite=overwrite, progress=bar.part(0.8, 1.0))
+    if json:
+        terminal.print_json(piece.to_dict())
+    else:
+        _summarize(piece)
+    if saved is not None:
+        _say_where(saved, terminal.remark if json else print)
+
+
+def _target(text: str) -> tuple[float, float]:
+    parts = text.replace(";", ",").split(",")
+    try:
+        x, z = (float(part) for part in parts)
+    except ValueError:
+        raise InputError(
+            f"Expected --target as two numbers, X,Z in metres, such as --target 3,2; got '{text}'."
+        ) from None
+    return x, z
+
+
+def _route(file: Path) -> list[tuple[float, float]]:
+    """Corners of a route: two numbers a row, between them a comma, semicolon, tab or blank; a heading may stand above."""
+    from kinesics import formats
+
+    try:
+        text = formats.load(file).decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise FileError(file, "is not UTF-8 text.", hint="Expected rows of two numbers, x,z in metres.") from None
+    corners: list[tuple[float, float]] = []
+    headed = False
+    for number, row in enumerate(text.splitlines(), start=1):
+        words = row.split("#")[0].replace(";", " ").replace(",", " ").split()
+        if not words:
+            continue
+        try:
+            values = [float(word) for word in words]
+        except ValueError:
+            if not corners and not headed:
+                headed = True
+                continue
+            values = []
+        if len(values) != 2 or not all(math.isfinite(v) for v in values):
+            raise FileError(
+                file, f"Expected two numbers, x,z in metres, got '{row.strip()[:60]}'.", line=number
+            ) from None
+        corners.append((values[0], values[1]))
+        if len(corners) > _LONGEST_ROUTE:
+            raise FileError(file, f"More than {_LONGEST_ROUTE} corners.", hint="Give fewer points of the line.")
+    if len(corners) < 2:
+        raise FileError(
+            file,
+            f"Expected a line of two corners or more, got {len(corners)}.",
+            hint="Write a corner a row, x,z in metres from where the performer starts; for one place there is --target.",
+        )
+    return corners
+
+
+def _summarize(piece: Piece) -> None:
+    """What a choreographer wants to know: whether it got there, how often it changed, from what, what was left out."""
+    console = terminal.console()
+    motion, counted = piece.motion, terminal.counted
+    console.print(
+        f"[bold]{motion.duration:.1f} s[/bold] of new movement: {counted(motion.frame_count, 'frame')} at {motion.fps:g} fps"
+    )
+    target, away = piece.parameters["target"], piece.nearest
+    if target is not None and away is not None:
+        straight = math.hypot(*target)
+        side, ahead = "left" if target[0] >= 0.0 else "right", "ahead" if target[1] >= 0.0 else "behind"
+        console.print(
+            f"  target {abs(target[0]):g} m to the {side}, {abs(target[1]):g} m {ahead}: came within {away:.2f} m; "
+            f"went {piece.length:.1f} m, {straight:.1f} m in a straight line"
+        )
+    else:
+        console.print(f"  went {piece.length:.1f} m over the floor")
+    for said in piece.outcome:
+        console.print(f"  {terminal.escape(said)}")
+    crossings = piece.crossings
+    if crossings:
+        mirrors = sum(c.mirrors for c in crossings)
+        console.print(
+            f"  {counted(len(crossings), 'transition')}, one every {motion.duration / len(crossings):.1f} s"
+            + (f"; {mirrors} of them between left and right" if mirrors else "")
+        )
+    else:
+        console.print("  no transition: one stretch of one recording")
+    shares = [0.0] * len(piece.sources)
+    for span in piece.spans:
+        shares[span.source] += (span.end - span.start) / motion.frame_count
+    parts = sorted(((share, piece.sources[k].name) for k, share in enumerate(shares) if share > 0.0), reverse=True)
+    console.print("  from " + ", ".join(f"{terminal.escape(name)} ({share:.0%})" for share, name in parts[:8]))
+    console.print(
+        f"  {piece.mirrored_share:.0%} of it mirrored"
+        + (f", {piece.backwards_share:.0%} backwards" if piece.parameters["backwards"] else "")
+    )
+    lost = sum(p.seconds * (p.strand.count(" and ") + 1) for p in piece.pruned)
+    if lost > 0.0:
+        have = lost + piece.network.seconds
+        console.print(
+            f"  [dim]not used, for no way leads there or back: {lost / have:.0%} of what was recorded"
+            f"{' or mirrored' if piece.parameters['mirrored'] else ''}[/dim]"
+        )
+    for line in motion.assumptions:
+        if line.startswith("performed "):
+            console.print(f"  [dim]{terminal.escape(line)}[/dim]")
+    other = [facts.name for facts in piece.sources if facts.fps != motion.fps]
+    if other:
+        console.print(
+            f"  [dim]resampled to {motion.fps:g} frames a second: {terminal.escape(', '.join(other[:8]))}[/dim]"
+        )
+    for line in motion.warnings:
+        console.print(f"  [yellow]doubtful:[/yellow] {terminal.escape(line)}")
+
+
+def _say_where(saved: Saved, say: object) -> None:
+    assert callable(say)
+    for remark in saved.remarks:
+        terminal.remark(remark)
+    say(f"Movement: {saved.motion}")
+    say(f"Where it comes from: {saved.provenance}")
+    say(f"Picture: {saved.picture}")
