@@ -102,7 +102,7 @@ def judge_nearness(moments: Moments) -> Nearness:
         visit=float(np.clip(4.0 * same, 0.04 * spread, max(0.15 * spread, 1.2 * same))),
         away=max(8.0 * same, 0.25 * spread),
         path=float(np.clip(5.0 * same, 0.025 * spread, max(0.2 * spread, 3.0 * same))),
-        precise=0.025 * spread,
+        precise=0.005 * spread,
     )
 
 

@@ -472,13 +472,17 @@ def _cost(seen: _Seen, traversals: Sequence[Traversal], a: int, b: int) -> float
     return seen.distances((one.start, one.end), [((other.start, other.end), [relation])])[0]
 
 
+_PathEnd = tuple[int, bool, bool]
+"""Which path, whether its far end, and on which side of the mirror."""
+
+
 def _traceless(states: Sequence[ReadState], visits: Sequence[Visit], traversals: Sequence[Traversal]) -> set[int]:
     """States with one way in and one way out, no stop, no turning back, not symmetric.
 
     Who passes a symmetric pose leaves a trace there, unless all of his movement is symmetric: then no pose is a state for being so.
     """
-    ways: dict[int, set[frozenset[tuple[int, bool, bool]]]] = {k: set() for k in range(len(states))}
-    ends: dict[int, set[tuple[int, bool, bool]]] = {k: set() for k in range(len(states))}
+    ways: dict[int, set[frozenset[_PathEnd]]] = {k: set() for k in range(len(states))}
+    ends: dict[int, set[_PathEnd]] = {k: set() for k in range(len(states))}
     for visit, before, after in zip(visits[1:-1], traversals[:-1], traversals[1:], strict=True):
         if BREAK in (before.path, after.path):
             # where a recording begins or ends the state shows
@@ -489,7 +493,19 @@ def _traceless(states: Sequence[ReadState], visits: Sequence[Visit], traversals:
         leaving = (after.path, after.reversed, after.mirrored != visit.mirrored)
         ways[visit.state].add(frozenset((arriving, leaving)))
         ends[visit.state].update((arriving, leaving))
-    return {k for k, state in enumerate(states) if not state.traced and len(ends[k]) == 2 and len(ways[k]) == 1}
+    return {
+        k
+        for k, state in enumerate(states)
+        if not state.traced and ((len(ends[k]) == 2 and len(ways[k]) == 1) or _only_touched(ends[k], ways[k]))
+    }
+
+
+def _only_touched(ends: Collection[_PathEnd], ways: Collection[frozenset[_PathEnd]]) -> bool:
+    """Whether a way always comes past the same place twice and never turns off there: in, round a loop, out by another path."""
+    loops = {(path, side) for path, far, side in ends if (path, not far, side) in ends}
+    if len(ends) != 4 or len(ways) != 2 or len(loops) != 1:
+        return False
+    return all(len(way) == 2 and sum((path, side) in loops for path, _, side in way) == 1 for way in ways)
 
 
 def held(moments: Moments, reading: Reading) -> list[tuple[int, int] | None]:
