@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import pytest
 import bodies
 import kinesics as kx
 from kinesics.analysis import Analysis
+from kinesics.body import anatomy
 from kinesics.errors import Cancelled, InputError
 from kinesics.similarity import default_beta, symmetry_residual
 
@@ -185,6 +187,16 @@ def test_several_recordings_are_sources_of_one_analysis() -> None:
     assert [len(c) for c in analysis.speed_curves] == [120, 90]
     assert {r.source for r in analysis.symmetric_states} == {0}
     assert analysis.speed.max_source == 1
+
+
+@pytest.mark.parametrize("together", [kx.analyze, kx.graph])
+def test_bodies_of_unlike_rules_are_not_compared(together: Callable[[list[kx.Motion]], object]) -> None:
+    """An arm told from the chest and one told from the clavicle: both recordings are named, and what to do."""
+    composed = bodies.arms_swinging(30, file_name="a.bvh")
+    dropped = anatomy.understood(bodies.arms_swinging(30, file_name="b.bvh"), {"clavicle": "drop"})
+    with pytest.raises(InputError, match=r"'a\.bvh' has the clavicle composed.*'b\.bvh' has it dropped"):
+        together([composed, dropped])
+    together([dropped, dropped])
 
 
 def test_one_frame_has_no_speed() -> None:

@@ -259,6 +259,36 @@ def test_several_files_are_one_analysis(kinesics: Kinesics, walk: Path, tmp_path
     assert [(s["name"], s["frames"]) for s in got["sources"]] == [("walk.bvh", 90), ("part.bvh", 30)]
 
 
+def test_several_files_share_a_folder_that_says_so(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
+    """Named after the first and how many more there are: it is not that of the first alone."""
+    for name in ("part.bvh", "rest.bvh"):
+        kx.write(kx.read(walk)[10:40], tmp_path / name)
+    assert "walk.bvh-and-2-more-kinesics" in kinesics("analyze", walk, "part.bvh", "rest.bvh").out
+    assert (tmp_path / "walk.bvh-and-2-more-kinesics" / "analysis.json").is_file()
+    assert not (tmp_path / "walk.bvh-kinesics").exists()
+
+
+def test_the_palette_is_chosen(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
+    """For the colour-blind, orange and blue; the page says so."""
+    assert kinesics("analyze", walk, "--palette", "colorblind").code == 0
+    page = (tmp_path / "walk.bvh-kinesics" / "report.html").read_text(encoding="utf-8")
+    assert "Orange: the same pose" in page
+    assert "cyan" not in page
+    assert "colorblind" in kinesics("analyze", "--help").out
+
+
+@pytest.mark.parametrize("palette", ["grey", "sepia"])
+def test_a_palette_that_cannot_show_both_is_refused(
+    kinesics: Kinesics, walk: Path, palette: str, tmp_path: Path
+) -> None:
+    """Unknown, or of one colour for Z and Z*: before the work, with the names that are left."""
+    got = kinesics("analyze", walk, "--palette", palette)
+    assert got.code == 2
+    assert f"'{palette}'" in got.err
+    assert "thesis, colorblind" in got.err
+    assert files(tmp_path) == set()
+
+
 def test_the_folder_of_something_else_is_left_alone(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
     """Neither other files nor the analysis of another recording are replaced, unless --overwrite."""
     (tmp_path / "mine").mkdir()

@@ -18,7 +18,7 @@ from kinesics.analysis.facts import Facts, Gap, Range, Source, Speed
 from kinesics.analysis.serial import decode, encode
 from kinesics.body import anatomy, quality
 from kinesics.body.motion import Motion
-from kinesics.body.pose import PoseSequence, poses
+from kinesics.body.pose import PoseSequence, check_alike, poses
 from kinesics.errors import InputError
 from kinesics.grammar import many
 from kinesics.grammar import moments as _moments
@@ -111,8 +111,8 @@ def analyze(
     SkeletonError
         If a skeleton cannot be understood as a human body.
     InputError
-        If there is no motion, β is not above 0, the weights are not 15 numbers that suit D*, or the edits speak of what is not
-        there.
+        If there is no motion, β is not above 0, the weights are not 15 numbers that suit D*, the edits speak of what is not
+        there, or one body has the clavicle composed and another has it dropped.
     """
     from kinesics import __version__
 
@@ -128,6 +128,7 @@ def analyze(
         report(0.05 + 0.3 * number / len(motions), f"poses of {each.name or 'the motion'}")
         understood.append(anatomy.understood(each, mapping))
         sequences.append(poses(understood[-1]))
+    check_alike(sequences, [_name(m) or f"motion {k + 1}" for k, m in enumerate(motions)])
     speeds = tuple(speed(p, weights=link_weights) for p in sequences)
     reflected = tuple(symmetry_residual(p, link_weights) for p in sequences)
 

@@ -37,7 +37,8 @@ def graph(
     SkeletonError
         If a skeleton cannot be understood as a human body.
     InputError
-        If there is no motion, or the edits speak of what is not in the graph.
+        If there is no motion, the edits speak of what is not in the graph, or one body has the clavicle composed and another
+        has it dropped.
     """
     from kinesics.grammar import many
 

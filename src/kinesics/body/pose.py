@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import dataclasses
 import operator
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, SupportsIndex, overload
 
@@ -168,6 +168,33 @@ def poses(motion: Motion, mapping: Mapping[str, object] | None = None) -> PoseSe
         profile=body.profile,
         assumptions=body.assumptions,
     )
+
+
+def check_alike(sequences: Sequence[PoseSequence], names: Sequence[str]) -> None:
+    """Refuse to compare bodies whose upper arms are told relative to different bones.
+
+    Longer and shorter spines are spread over the same links. But with the clavicle composed an upper arm is told from the chest,
+    with it dropped from the clavicle (§2.16): the same pose would be far from itself, and nothing in the numbers shows why.
+
+    Parameters
+    ----------
+    names : of the recordings, for the message.
+
+    Raises
+    ------
+    InputError
+        If one has the clavicle composed and another has it dropped. Poses whose ``profile`` does not say are let pass.
+    """
+    by_rule = {
+        rule: next((name for p, name in zip(sequences, names, strict=True) if p.profile.endswith(rule)), None)
+        for rule in ("clavicle compose", "clavicle drop")
+    }
+    composed, dropped = by_rule.values()
+    if composed is not None and dropped is not None:
+        raise InputError(
+            f"'{composed}' has the clavicle composed with the upper arm, '{dropped}' has it dropped: their poses cannot be "
+            'compared. Read both with the same clavicle = "compose" or "drop" in the mapping.'
+        )
 
 
 def mirror(quaternions: ArrayLike) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -21,7 +22,7 @@ SUMMARY = "Compare all moments of recordings; leave a report."
 EXAMPLES = (
     ("kinesics analyze walk.bvh", "leaves walk.bvh-kinesics/report.html"),
     ("kinesics analyze 07_01.amc --out report", "07.asf lies beside it"),
-    ("kinesics analyze left.bvh right.bvh", "together: one report"),
+    ("kinesics analyze left.bvh right.bvh", "together: left.bvh-and-1-more-kinesics"),
     ("kinesics analyze walk.bvh --json", "the result alone, for programs"),
     ("kinesics analyze a.bvh --edits a.toml", "with your names and merges"),
 )
@@ -37,13 +38,24 @@ def analyze(
     out: Annotated[
         Path | None,
         typer.Option(
-            "--out", metavar="DIR", show_default=False, help="Where the report goes; FILE-kinesics unless given."
+            "--out",
+            metavar="DIR",
+            show_default=False,
+            help="Where the report goes; unless given FILE-kinesics, or FILE-and-2-more-kinesics of three.",
         ),
     ] = None,
     beta: Annotated[
         float | None,
         typer.Option("--beta", metavar="B", show_default=False, help="Contrast of Z = exp(-B·D); found unless given."),
     ] = None,
+    palette: Annotated[
+        str,
+        typer.Option(
+            "--palette",
+            metavar="NAME",
+            help="Colours of Z and Z*: thesis (red and cyan) or colorblind (orange and blue).",
+        ),
+    ] = "thesis",
     edits: Annotated[
         Path | None,
         typer.Option(
@@ -71,7 +83,8 @@ def analyze(
 
     reading = Reading(skeleton, map_, unit, up, fps)
     known_better = _edits(edits or _beside(files[0]))
-    folder = out or (None if json else Path(f"{files[0].name}-kinesics"))
+    report.check_palette(palette)
+    folder = out or (None if json else _default_folder(files))
     with terminal.Bar("Analysing") as bar:
         motions = []
         for number, file in enumerate(files):
@@ -81,7 +94,7 @@ def analyze(
             motions, beta=beta, mapping=reading.mapping(), edits=known_better, progress=bar.part(0.2, 0.4)
         )
         if folder is not None:
-            report.save(result, folder, overwrite=overwrite, progress=bar.part(0.4, 1.0))
+            report.save(result, folder, overwrite=overwrite, palette=palette, progress=bar.part(0.4, 1.0))
     if json:
         terminal.print_json(result.to_dict())
     else:
@@ -89,6 +102,12 @@ def analyze(
     if folder is not None:
         said = f"Report: {folder / 'report.html'}"
         (terminal.remark if json else print)(said)
+
+
+def _default_folder(files: Sequence[Path]) -> Path:
+    """In the current folder, named after the first recording and how many more there are."""
+    more = f"-and-{len(files) - 1}-more" if len(files) > 1 else ""
+    return Path(f"{files[0].name}{more}-kinesics")
 
 
 def _beside(file: Path) -> Path | None:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from kinesics.body.pose import PoseSequence
+from kinesics.body.pose import PoseSequence, check_alike
 from kinesics.errors import InputError
 from kinesics.grammar import assembly, reading, whole
 from kinesics.grammar import moments as _moments
@@ -38,7 +38,8 @@ def read_graph(
     Raises
     ------
     InputError
-        If there is no recording, or names or grammars and recordings differ in number.
+        If there is no recording, names or grammars and recordings differ in number, or one body has the clavicle composed and
+        another has it dropped.
     """
     if not recordings:
         raise InputError("Expected at least one recording.")
@@ -47,6 +48,7 @@ def read_graph(
         raise InputError(f"Expected as many names as recordings ({len(recordings)}), got {len(named)}.")
     if grammars and len(grammars) != len(recordings):
         raise InputError(f"Expected as many grammars as recordings ({len(recordings)}), got {len(grammars)}.")
+    check_alike(recordings, named)
     if len(recordings) == 1:
         alone = whole.read_grammar(recordings[0], name=named[0], weights=weights, progress=progress)
         assert alone.graph is not None

@@ -2,6 +2,7 @@
 
 - `save`, `load`: the folder of `kinesics analyze`
 - `report_page`: the page alone
+- `check_palette`: refuses a palette that the pictures cannot be drawn in
 - `schema`: the JSON Schema that every `analysis.json` satisfies
 """
 
@@ -9,5 +10,6 @@ from __future__ import annotations
 
 from kinesics.report.folder import FILES, load, save, schema
 from kinesics.report.page import report_page
+from kinesics.report.pictures import check_palette
 
-__all__ = ["FILES", "load", "report_page", "save", "schema"]
+__all__ = ["FILES", "check_palette", "load", "report_page", "save", "schema"]

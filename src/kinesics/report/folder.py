@@ -40,6 +40,7 @@ def save(
     folder: str | os.PathLike[str],
     *,
     overwrite: bool = False,
+    palette: str = "thesis",
     progress: Progress | None = None,
 ) -> None:
     """Write an analysis into a folder: facts, tables, pictures and a page to read and to mail.
@@ -52,14 +53,16 @@ def save(
     folder : made if it does not exist. An empty folder is filled. One that holds an analysis of the same recording is
         replaced; files in it that are not the analysis's stay.
     overwrite : replace the analysis of another recording, or write among other files.
+    palette : the colours of Z and Z* in the pictures: "thesis" (red and cyan) or "colorblind" (orange and blue).
 
     Raises
     ------
     InputError
         If the folder holds something else and ``overwrite`` is not given, is a file, cannot be written; or if the analysis
-        was read back from a folder and has no recording to draw.
+        was read back from a folder and has no recording to draw; or if there is no such palette.
     """
     report = progress or silent
+    pictures.check_palette(palette)
     target = Path(folder)
     _check(target, analysis, overwrite)
     if not analysis.motions:
@@ -71,7 +74,7 @@ def save(
         parent.mkdir(parents=True, exist_ok=True)
         stage = Path(tempfile.mkdtemp(prefix=f".{target.absolute().name[:40]}-", dir=parent))
         try:
-            for name, contents in _contents(analysis, report):
+            for name, contents in _contents(analysis, palette, report):
                 (stage / name).write_bytes(contents)
             report(0.99, "putting the files in their places")
             _install(stage, target)
@@ -116,12 +119,12 @@ def facts_json(analysis: Analysis) -> str:
     return json.dumps(analysis.to_dict(), ensure_ascii=False, indent=1, allow_nan=False) + "\n"
 
 
-def _contents(analysis: Analysis, report: Progress) -> Iterator[tuple[str, bytes]]:
+def _contents(analysis: Analysis, palette: str, report: Progress) -> Iterator[tuple[str, bytes]]:
     """Name and contents of every file, in the order of `FILES`."""
-    drawn = pictures.draw(analysis, progress=lambda f, message="": report(0.8 * f, message))
+    drawn = pictures.draw(analysis, palette=palette, progress=lambda f, message="": report(0.8 * f, message))
     report(0.8, "the page")
     made: Mapping[str, bytes] = {
-        "report.html": page.report_page(analysis, drawn).encode(),
+        "report.html": page.report_page(analysis, drawn, palette=palette).encode(),
         "zz.png": drawn.square,
         "zz-triangle.png": drawn.triangle,
         "graph.svg": drawn.graph,

@@ -11,6 +11,7 @@ from kinesics.analysis import Analysis
 from kinesics.analysis.analysis import joined
 from kinesics.analysis.symmetric_states import SYMMETRY_THRESHOLD
 from kinesics.body.pose import PoseSequence
+from kinesics.errors import InputError
 from kinesics.plotting import (
     composite_plot,
     graph_plot,
@@ -26,6 +27,7 @@ from kinesics.plotting import (
     symmetry_plot,
 )
 from kinesics.plotting.canvas import FAINT, INK, figure_bytes
+from kinesics.plotting.palettes import PALETTES
 from kinesics.plotting.similarity_plots import colour_key
 from kinesics.progress import Progress, silent
 
@@ -76,8 +78,33 @@ class Pictures(NamedTuple):
     """SVG, speed and symmetry over time, one for each source."""
 
 
+def check_palette(palette: str) -> None:
+    """Refuse a palette that cannot show Z and Z* together.
+
+    Raises
+    ------
+    InputError
+        If there is none of that name, or it has one colour for both.
+    """
+    useful = [name for name, p in PALETTES.items() if p.z != p.z_mirror]
+    if palette not in useful:
+        why = "has one colour for Z and Z*" if palette in PALETTES else "is not known"
+        raise InputError(f"The palette '{palette}' {why}. Palettes of a report: {', '.join(useful)}.")
+
+
 def draw(analysis: Analysis, *, palette: str = "thesis", progress: Progress | None = None) -> Pictures:
-    """All pictures of an analysis that still has its motions and poses."""
+    """All pictures of an analysis that still has its motions and poses.
+
+    Parameters
+    ----------
+    palette : the colours of Z and Z*, see `kinesics.plotting.palettes`.
+
+    Raises
+    ------
+    InputError
+        If there is no such palette, or it has one colour for both.
+    """
+    check_palette(palette)
     report = progress or silent
     report(0.0, "comparing all moments")
     poses, borders = _common_time(analysis)
