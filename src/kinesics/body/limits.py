@@ -27,7 +27,7 @@ from kinesics.body import anatomy
 from kinesics.body.anatomy import Anatomy
 from kinesics.body.motion import Motion
 from kinesics.body.quality import estimated_stature
-from kinesics.body.skeleton import JointFreedom
+from kinesics.body.skeleton import JointFreedom, Skeleton
 from kinesics.errors import SkeletonError
 from kinesics.geometry import euler, quaternion
 
@@ -312,6 +312,63 @@ class SelfCollisions(NamedTuple):
     frames: int
 
 
+class Ends(NamedTuple):
+    """Both ends of every capsule, metres, shape (frames, capsules, 3) each."""
+
+    starts: Array
+    ends: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Capsules:
+    """The body as capsules round its bones, and which of them may not pass through each other (§2.9)."""
+
+    skeleton: Skeleton
+    body: Anatomy
+    stature: float
+    radii: Array
+    """Metres, shape (capsules,)."""
+    pairs: tuple[tuple[int, int], ...]
+    """Capsules that are looked at: neither meet at a joint nor pass through each other in the T-pose."""
+
+    @classmethod
+    def of(cls, motion: Motion, body: Anatomy | None = None, *, tolerance: float = DEPTH_TOLERANCE) -> Capsules:
+        """Measured on a motion. Parameters and errors are those of `self_collisions`."""
+        body = anatomy.resolve(motion) if body is None else body
+        stature = estimated_stature(motion) or 0.0
+        starts, ends = _capsules(motion.skeleton, motion.positions(), motion.global_rotations(), body, stature)
+        left, right = (starts[:, _CAPSULES.index(f"{side} humerus")] for side in ("left", "right"))
+        shoulders = float(np.median(np.linalg.norm(left - right, axis=-1)))
+        trunk = min(_TRUNK_HALF_DEPTH * stature, _TRUNK_TO_SHOULDERS * shoulders)
+        radii = np.array([trunk if "trunk" in n else capsule_radius(n.split()[-1], stature) for n in _CAPSULES])
+        return cls(motion.skeleton, body, stature, radii, tuple(_pairs(starts, ends, radii, tolerance)))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the capsules."""
+        return _CAPSULES
+
+    def ends(self, positions: Array, rotations: Array) -> Ends:
+        """Where the capsules are, by where all joints are in the world: (frames, joints, 3) and (frames, joints, 4)."""
+        return Ends(*_capsules(self.skeleton, positions, rotations, self.body, self.stature))
+
+    def depths(self, positions: Array, rotations: Array, *, least: float = 0.0) -> Array:
+        """Metres by which each pair interpenetrates, −∞ where by less than about ``least``: shape (frames, pairs)."""
+        starts, ends = self.ends(positions, rotations)
+        a, b = np.array(self.pairs, dtype=np.intp).reshape(-1, 2).T
+        reach = self.radii[a] + self.radii[b]
+        depth = np.full((len(positions), len(self.pairs)), -np.inf)
+        # segments whose middles are farther apart than half their lengths and their radii cannot touch
+        middles = 0.5 * (starts + ends)
+        half = 0.5 * np.linalg.norm(ends - starts, axis=-1)
+        apart = middles[:, a] - middles[:, b]
+        near = np.einsum("fpi,fpi->fp", apart, apart) < (half[:, a] + half[:, b] + reach - least) ** 2
+        frames, which = np.nonzero(near)
+        first, second = (frames, a[which]), (frames, b[which])
+        depth[near] = reach[which] - segment_distance(starts[first], ends[first], starts[second], ends[second])
+        return depth
+
+
 def self_collisions(
     motion: Motion, body: Anatomy | None = None, *, tolerance: float = DEPTH_TOLERANCE
 ) -> SelfCollisions:
@@ -331,26 +388,9 @@ def self_collisions(
     SkeletonError
         If the skeleton cannot be understood as a human body.
     """
-    body = anatomy.resolve(motion) if body is None else body
-    stature = estimated_stature(motion) or 0.0
-    starts, ends = _capsules(motion, body, stature)
-    shoulders = np.linalg.norm(
-        starts[:, _CAPSULES.index("left humerus")] - starts[:, _CAPSULES.index("right humerus")], axis=-1
-    )
-    trunk = min(_TRUNK_HALF_DEPTH * stature, _TRUNK_TO_SHOULDERS * float(np.median(shoulders)))
-    radii = np.array([trunk if "trunk" in n else capsule_radius(n.split()[-1], stature) for n in _CAPSULES])
-    pairs = _pairs(starts, ends, radii, tolerance)
-    a, b = np.array([p[0] for p in pairs], dtype=np.intp), np.array([p[1] for p in pairs], dtype=np.intp)
-    reach = radii[a] + radii[b]
-    depth = np.full((motion.frame_count, len(pairs)), -np.inf)
-    # segments whose middles are farther apart than half their lengths and their radii cannot touch
-    middles = 0.5 * (starts + ends)
-    half = 0.5 * np.linalg.norm(ends - starts, axis=-1)
-    apart = middles[:, a] - middles[:, b]
-    near = np.einsum("fpi,fpi->fp", apart, apart) < (half[:, a] + half[:, b] + reach - tolerance) ** 2
-    frames, which = np.nonzero(near)
-    first, second = (frames, a[which]), (frames, b[which])
-    depth[near] = reach[which] - segment_distance(starts[first], ends[first], starts[second], ends[second])
+    capsules = Capsules.of(motion, body, tolerance=tolerance)
+    pairs = capsules.pairs
+    depth = capsules.depths(motion.positions(), motion.global_rotations(), least=tolerance)
     deep = depth > tolerance
     out = []
     for k, (i, j) in enumerate(pairs):
@@ -375,11 +415,8 @@ def capsule_radius(segment: str, stature: float) -> float:
     return float(radius * stature / REFERENCE_STATURE)
 
 
-def _capsules(motion: Motion, body: Anatomy, stature: float) -> tuple[Array, Array]:
+def _capsules(skeleton: Skeleton, positions: Array, world: Array, body: Anatomy, stature: float) -> tuple[Array, Array]:
     """Both ends of every capsule, metres, shape (frames, capsules, 3) each."""
-    positions = motion.positions()
-    world = motion.global_rotations()
-    skeleton = motion.skeleton
 
     def at(role: str) -> Array:
         joint = getattr(body, role)
