@@ -476,8 +476,8 @@ STUDIES = (
         "around the identity axis where the two cross and a white signal is visible.",
         _clip("cmu/135/135_11.amc"),
         _side_kicks,
-        remark="The graph read is the one that the text gives in its condensed form, guard and image, a one-way kick on each and one "
-        "antipalindromic turn between them; what is more is the recording's: the stance from which the subject steps into the "
+        remark="The graph read is the one that the text gives in its condensed form, guard and image, a one-way kick on each and "
+        "one antipalindromic turn between them; what is more is the recording's: the stance from which the subject steps into the "
         "first guard (A) and the one in which he ends (C), with the way from and to each. He turns through a nearly symmetric "
         "pose without marking it (D*(a, a) falls to .09 and no farther), so it is no state of its own.",
         graph=SIDE_KICKS,
