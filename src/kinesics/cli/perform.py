@@ -276,7 +276,8 @@ def _summarize(piece: Piece) -> None:
         )
     else:
         console.print(f"  went {piece.length:.1f} m over the floor")
-    for said in piece.outcome:
+    # what was not attained is told among what is doubtful
+    for said in piece.outcome if piece.attained or not motion.warnings else ():
         console.print(f"  {terminal.escape(said)}")
     crossings = piece.crossings
     if crossings:

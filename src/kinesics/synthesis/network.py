@@ -427,7 +427,9 @@ class _Words(NamedTuple):
     label: str
 
 
-def labelled(network: Network, graph: MotionGraph, phrases: Sequence[Phrase] = ()) -> Network:
+def labelled(
+    network: Network, graph: MotionGraph, phrases: Sequence[Phrase] = (), *, at_states: bool = False
+) -> Network:
     """The network with the grammar's words for every path.
 
     A path gets the words of that path or stay of the motion graph with which it shares most time; a mirrored one those of its
@@ -437,6 +439,8 @@ def labelled(network: Network, graph: MotionGraph, phrases: Sequence[Phrase] = (
     ----------
     graph : of the same recordings in the same order, as `kinesics.graph` reads it. Not necessarily racemic.
     phrases : whose classes are given to the paths, as `kinesics.analyze` finds them; none leaves `Network.class_` empty.
+    at_states : whether only the first piece of a path of the motion graph is said to come from a state, and only the last to
+        lead to one, so that who begins or ends there is in that state. Else all pieces of it carry both.
 
     Raises
     ------
@@ -468,9 +472,12 @@ def labelled(network: Network, graph: MotionGraph, phrases: Sequence[Phrase] = (
             continue
         steps = whole.timeline(number)
         said = [p for p in phrases if p.source == number]
-        for path, at in zip(own.tolist(), _most_shared(steps, *ends[:, own]), strict=True):
+        shared = _most_shared(steps, *ends[:, own])
+        for path, at in zip(own.tolist(), shared, strict=True):
             if at >= 0:
                 words[path] = _word(whole, steps[at], int(network.strand[path]))
+        if at_states:
+            _keep_ends(words, steps, own, np.asarray(shared), network.strand[own])
         for path, at in zip(own.tolist(), _most_shared(said, *ends[:, own]), strict=True):
             if at >= 0:
                 classes[path] = said[at].class_ or ""
@@ -481,6 +488,30 @@ def labelled(network: Network, graph: MotionGraph, phrases: Sequence[Phrase] = (
         label=tuple(w.label for w in words),
         class_=tuple(classes),
     )
+
+
+def _keep_ends(words: list[_Words], steps: Sequence[Step], paths: Indices, shared: Indices, strand: Indices) -> None:
+    """Take from pieces of a step the states that they neither begin nor end in; paths of one recording, in rising moments."""
+    for s in np.unique(strand).tolist():
+        for at in np.unique(shared[(strand == s) & (shared >= 0)]).tolist():
+            step = steps[at]
+            if step.path is None:
+                continue
+            # in order of time in the recording, whichever way it is played
+            pieces = paths[(strand == s) & (shared == at)].tolist()
+            # a step that the recording cuts off at its beginning or end reaches no state there
+            early = step.complete or at > 0
+            late = step.complete or at < len(steps) - 1
+            if BACKWARD_STRANDS[s]:
+                begins, ends = late and pieces[-1], early and pieces[0]
+            else:
+                begins, ends = early and pieces[0], late and pieces[-1]
+            for path in pieces:
+                word = words[path]
+                words[path] = word._replace(
+                    state_from=word.state_from if begins is not False and path == begins else "",
+                    state_to=word.state_to if ends is not False and path == ends else "",
+                )
 
 
 class _Stretch(Protocol):

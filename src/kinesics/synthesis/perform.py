@@ -331,11 +331,11 @@ def _labelled(net: Network, motions: Sequence[Motion], wish: _Wish) -> Network:
     if wish.favour is None:
         from kinesics.analysis import joint
 
-        return networks.labelled(net, joint.graph(motions))
+        return networks.labelled(net, joint.graph(motions), at_states=True)
     from kinesics.analysis import analyze
 
     read = analyze(motions)
-    return networks.labelled(net, read.graph, read.phrases)
+    return networks.labelled(net, read.graph, read.phrases, at_states=True)
 
 
 def _start(net: Network, wish: _Wish, seed: int) -> int | None:
