@@ -6,7 +6,7 @@ import io
 import os
 import zlib
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,12 +58,13 @@ def figure_bytes(figure: Figure, suffix: str) -> bytes:
 
 
 def _png(figure: Figure) -> bytes:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from PIL import Image
 
-    drawn, stream = io.BytesIO(), io.BytesIO()
-    figure.savefig(drawn, format="rgba", dpi=figure.dpi)
-    width, height = (int(v) for v in figure.bbox.size)
-    pixels = np.frombuffer(drawn.getbuffer(), dtype=np.uint8).reshape(height, width, 4)
+    stream = io.BytesIO()
+    paper: Any = FigureCanvasAgg(figure)  # matplotlib types it in part
+    paper.draw()
+    pixels = np.asarray(paper.buffer_rgba())
     picture = Image.fromarray(pixels if (pixels[..., 3] < 255).any() else np.ascontiguousarray(pixels[..., :3]))
     # runs alone: a search for repetitions takes twice as long and gains nothing in plots of Z
     picture.save(stream, format="png", dpi=(figure.dpi, figure.dpi), compress_type=zlib.Z_RLE)
