@@ -17,6 +17,7 @@ import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -25,6 +26,7 @@ from numpy.typing import NDArray
 
 import kinesics as kx
 from kinesics import performer, plotting
+from kinesics.body.contacts import runs
 from kinesics.grammar.graph import MotionGraph, State, build
 from kinesics.grammar.graph import Path as GraphPath
 from kinesics.plotting.canvas import INK, figure_bytes
@@ -566,6 +568,84 @@ def draw_graph(measured: Measured, path: Path) -> None:
     _save_small(figure, path)
 
 
+WALKS = ("91_01", "91_34", "07_01", "35_01")
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """A performance by the Markov controller, and its picture (Figure 82)."""
+
+    name: str
+    title: str
+    wish: dict[str, Any]
+    """What `kinesics.performance` is asked for."""
+
+
+def _eight(size: float = 3.0) -> Array:
+    """A figure of eight from the origin, shape (n, 2), x and z in metres."""
+    angle = np.linspace(0.0, 2.0 * np.pi, 200)
+    return np.stack([size * np.sin(2.0 * angle) / 2.0, 1.6 * size * np.sin(angle)], axis=-1)
+
+
+STAGES = (
+    Stage("avatar-target", "To a target", {"target": (-4.0, 3.0), "seed": 3}),
+    Stage("avatar-route", "Along a figure of eight", {"route": _eight(), "seed": 1}),
+)
+AVATAR = (
+    "## Markov controlled avatar\n\n§4.4.1, Figure 82. Source: CMU "
+    + ", ".join(WALKS)
+    + ", brought onto one skeleton, at 30 frames a second, with their mirror images.\n\n"
+    "The text: an avatar that moves through a space and chooses motion paths which lead it toward the goal marker; the trail is "
+    "shown in blue. Figures: left limbs red, right limbs blue; orange is where it was to go.\n\n"
+)
+
+
+def perform(data: Path | None) -> str:
+    """Make the pictures of Figure 82; the part of README.md about them."""
+    if data is None or not all((data / "cmu" / n[:2] / f"{n}.amc").exists() for n in WALKS):
+        raise FileNotFoundError(f"cmu/{WALKS[0]}.amc")
+    motions = [kx.read(data / "cmu" / n[:2] / f"{n}.amc") for n in WALKS]
+    text, findings = AVATAR, []
+    for stage in STAGES:
+        piece = kx.performance(motions, fps=30.0, **stage.wish)
+        goal = {key: value for key, value in stage.wish.items() if key in ("target", "route")}
+        figure = plotting.trail_plot(piece.motion, **goal).get_figure(root=True)
+        assert figure is not None
+        figure.set_dpi(110)
+        _save_small(figure, HERE / f"{stage.name}.png")
+        text += f"![{stage.title}: the trail of the avatar]({stage.name}.png)\n\n"
+        if piece.nearest is not None:
+            findings.append(
+                Finding(
+                    "the paths chosen lead it to the target: within .5 m",
+                    f"came within {piece.nearest:.2f} m, {piece.length:.1f} m for {np.hypot(*stage.wish['target']):.1f} m",
+                    piece.nearest <= 0.5,
+                )
+            )
+        elif piece.aside is not None:
+            findings.append(
+                Finding(
+                    "and along a line: median .3 m beside it at most",
+                    f"{piece.aside:.2f} m beside it (median), {piece.length:.1f} m long",
+                    piece.attained and piece.aside <= 0.3,
+                )
+            )
+    sheet = plotting.contact_sheet(
+        piece.motion[: round(8.0 * piece.motion.fps)],
+        transitions=[c for c in piece.performance.cuts.tolist() if c < 8.0 * piece.motion.fps],
+        mirrored=[(a, min(b, 240)) for a, b in runs(piece.provenance.mirrored) if a < 240],
+        every=0.25,
+    ).get_figure(root=True)
+    assert sheet is not None
+    sheet.set_dpi(90)
+    _save_small(sheet, HERE / "avatar-sheet.png")
+    text += "The first eight seconds along the figure of eight:\n\n![Stick figures over time](avatar-sheet.png)\n\n"
+    rows = "\n".join(f"| {f.expected} | {f.measured} | {'yes' if f.agrees else '**no**'} |" for f in findings)
+    for f in findings:
+        print(f"avatar: {'yes' if f.agrees else 'NO '}  {f.expected}: {f.measured}")
+    return f"{text}| expected | measured | |\n| --- | --- | --- |\n{rows}\n"
+
+
 def _save_small(figure: Figure, path: Path) -> None:
     """A PNG of 256 colours: a third of the size, and the eye does not see it."""
     from PIL import Image
@@ -611,7 +691,8 @@ def main() -> int:
     """Make every picture that can be made here."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--data", type=Path, help="folder of the recordings")
-    parser.add_argument("--only", nargs="*", default=[s.name for s in STUDIES], help="names of studies")
+    everything = [*(s.name for s in STUDIES), "avatar"]
+    parser.add_argument("--only", nargs="*", default=everything, help="names of studies, and avatar")
     arguments = parser.parse_args()
     named = arguments.data or os.environ.get("KINESICS_DATA")
     data = Path(named) if named else HERE.parents[1] / "shared" / "data"
@@ -633,7 +714,12 @@ def main() -> int:
         print(f"{study.name}: {sum(f.agrees for f in findings)} of {len(findings)} agree")
         for f in findings:
             print(f"   {'yes' if f.agrees else 'NO '}  {f.expected}: {f.measured}")
-    if len(parts) == len(STUDIES):
+    if "avatar" in arguments.only:
+        try:
+            parts.append(perform(data))
+        except FileNotFoundError as error:
+            missing.append(f"avatar ({error})")
+    if len(parts) == len(everything):
         (HERE / "README.md").write_text(HEAD + "\n".join(parts), encoding="utf-8")
     if missing:
         print(f"Not made, the recordings are not in {data.name}: {', '.join(missing)}. README.md is left as it was.")
