@@ -57,7 +57,7 @@ def command(*arguments: str, code: int = 0) -> subprocess.CompletedProcess[str]:
 
 
 def the_main_job_runs(folder: Path) -> None:
-    """Demo, conversion, analysis as JSON, and one clear message on a bad file."""
+    """Demo, conversion, analysis as JSON, a performance, and one clear message on a bad file."""
     import kinesics as kx
 
     os.chdir(folder)
@@ -69,6 +69,9 @@ def the_main_job_runs(folder: Path) -> None:
     command("convert", "walk.bvh", "again.bvh")
     result = json.loads(command("analyze", "again.bvh", "--json").stdout)
     assert result["sources"][0]["name"] == "again.bvh"
+    command("perform", "walk.bvh", "--out", "new.glb", "--target", "0,3")
+    assert kx.read("new.glb").frame_count > 30
+    assert json.loads(Path("new.provenance.json").read_text(encoding="utf-8"))["goal"]["attained"]
     Path("bad.bvh").write_text("HIERARCHY\nROOT Hips\n{\n", encoding="utf-8")
     said = command("info", "bad.bvh", code=2)
     assert "bad.bvh" in said.stderr
@@ -85,7 +88,7 @@ def main() -> None:
     import_is_light_and_ours(project)
     print("import: light, from the wheel")
     the_main_job_runs(folder)
-    print("demo, convert, analyze, info: run from the wheel")
+    print("demo, convert, analyze, perform, info: run from the wheel")
 
 
 if __name__ == "__main__":
