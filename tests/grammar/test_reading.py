@@ -148,6 +148,16 @@ def test_classes_lead_to_graphs_on_real_exercises(shared_data: Path) -> None:
 
 
 @pytest.mark.parametrize(("fps", "seed"), [(30.0, 1), (60.0, 2), (120.0, 1)])
+def test_side_kicks_of_the_performer(fps: float, seed: int) -> None:
+    """The graph of §3.5.6 is read: a kick on either side, and the turn through a symmetric stance near the guards."""
+    done = kx.performer.side_kicks(fps=fps, seed=seed, noise_degrees=0.5)
+    graph = read_grammar(kx.poses(done.motion)).graph
+    assert graph is not None
+    assert graph.isomorphic_to(performed(done.truth))
+    assert [s.symmetric for s in graph.states].count(True) == 1
+
+
+@pytest.mark.parametrize(("fps", "seed"), [(30.0, 1), (60.0, 2), (120.0, 1)])
 def test_the_sun_salutation(fps: float, seed: int) -> None:
     """The graph of §3.6.1 is read: one leg goes back after the other on a way of its own, and both return together."""
     done = kx.performer.sun_salutation(fps=fps, seed=seed, noise_degrees=0.5)

@@ -57,6 +57,8 @@ class Nearness:
     """Beyond this the movement has left."""
     path: float
     """Mean distance, warped, of two traversals of one path."""
+    symmetric: float
+    """D*(a, a) of a symmetric state."""
     precise: float
     """Within this two traversals are one path, however much nearer others are."""
 
@@ -102,6 +104,7 @@ def judge_nearness(moments: Moments) -> Nearness:
         visit=float(np.clip(4.0 * same, 0.04 * spread, max(0.15 * spread, 1.2 * same))),
         away=max(8.0 * same, 0.25 * spread),
         path=float(np.clip(5.0 * same, 0.025 * spread, max(0.2 * spread, 3.0 * same))),
+        symmetric=max(4 * same, 0.04 * spread),
         precise=0.005 * spread,
     )
 

@@ -47,6 +47,12 @@ _UNLIKE: Final = 2.5
 """and so many times what lies between those of one direction parts the two directions."""
 
 
+_CHIRAL: Final = 4.0
+"""A pose with so many times the D*(a, a) of what still counts as symmetric is clearly not."""
+_APART: Final = 4.0
+"""No √(2D) is so large."""
+
+
 class Visit(NamedTuple):
     """The movement is in a state."""
 
@@ -109,8 +115,8 @@ class Reading:
     """By visit: where a recording ends on the way of a cyclic movement, the path from its last visit, not ended."""
 
 
-def _cluster(moments: Moments, marks: Sequence[Mark], radius: float) -> list[list[Mark]]:
-    """Marks that lie together under D or D*: complete linkage of √(2D).
+def _cluster(moments: Moments, marks: Sequence[Mark], radius: float, symmetric: float = 0.0) -> list[list[Mark]]:
+    """Marks that lie together under D or D*: complete linkage of √(2D). A symmetric pose is none with a clearly chiral one.
 
     Time and memory grow with the square of the marks. Of very many, those that lie closest together are taken as one first.
     """
@@ -118,27 +124,30 @@ def _cluster(moments: Moments, marks: Sequence[Mark], radius: float) -> list[lis
     index, place = np.unique([m.moment for m in marks], return_inverse=True)
     reach = _CLOSEST * limit
     while len(index) > _MOST_MARKS:
-        leader = _leaders(moments, index, reach)
+        leader = _leaders(moments, index, reach, symmetric)
         kept, numbers = np.unique(leader, return_inverse=True)
         index, place = index[kept], numbers[place]
         reach *= 1.5
-    labels = _complete_linkage(moments, index, limit)[place]
+    labels = _complete_linkage(moments, index, limit, symmetric)[place]
     groups: dict[int, list[Mark]] = {}
     for mark, label in zip(marks, labels.tolist(), strict=True):
         groups.setdefault(label, []).append(mark)
     return sorted(groups.values(), key=lambda g: min(m.moment for m in g))
 
 
-def _chords(moments: Moments, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Array:
-    """√(2D) or √(2D*), whichever is less."""
-    return chord(np.minimum(*moments.between(rows, columns)))
+def _chords(moments: Moments, rows: NDArray[np.intp], columns: NDArray[np.intp], symmetric: float) -> Array:
+    """√(2D) or √(2D*), whichever is less; of a symmetric and a clearly chiral pose more than any."""
+    out = chord(np.minimum(*moments.between(rows, columns)))
+    one, other = moments.symmetry[rows][:, None], moments.symmetry[columns][None, :]
+    unlike = (np.minimum(one, other) < symmetric) & (np.maximum(one, other) > _CHIRAL * symmetric)
+    return np.where(unlike, _APART, out)
 
 
-def _complete_linkage(moments: Moments, index: NDArray[np.intp], limit: float) -> NDArray[np.intp]:
+def _complete_linkage(moments: Moments, index: NDArray[np.intp], limit: float, symmetric: float) -> NDArray[np.intp]:
     """Number of the cluster of each moment: no two in a cluster are further apart than ``limit``."""
     count = len(index)
     if count <= _FEW_MARKS:
-        upper = np.triu(_chords(moments, index, index), 1)
+        upper = np.triu(_chords(moments, index, index, symmetric), 1)
         return clusters(upper + upper.T, limit, "complete")
     from scipy.cluster.hierarchy import fcluster, linkage
 
@@ -146,14 +155,14 @@ def _complete_linkage(moments: Moments, index: NDArray[np.intp], limit: float) -
     step = max(1, _CELLS // count)
     end = 0
     for first in range(0, count, step):
-        part = _chords(moments, index[first : first + step], index[first:])
+        part = _chords(moments, index[first : first + step], index[first:], symmetric)
         for k, row in enumerate(part):
             condensed[end : end + len(row) - k - 1] = row[k + 1 :]
             end += len(row) - k - 1
     return np.asarray(fcluster(linkage(condensed, "complete"), limit, "distance"), dtype=np.intp)
 
 
-def _leaders(moments: Moments, index: NDArray[np.intp], reach: float) -> NDArray[np.intp]:
+def _leaders(moments: Moments, index: NDArray[np.intp], reach: float, symmetric: float) -> NDArray[np.intp]:
     """For each moment the first one, itself perhaps, that leads and lies within ``reach``; who has none leads."""
     out = np.full(len(index), -1, dtype=np.intp)
     leading: list[int] = []
@@ -161,12 +170,12 @@ def _leaders(moments: Moments, index: NDArray[np.intp], reach: float) -> NDArray
     for first in range(0, len(index), step):
         part = index[first : first + step]
         if leading:
-            apart = _chords(moments, part, index[leading])
+            apart = _chords(moments, part, index[leading], symmetric)
             nearest = apart.argmin(axis=1)
             led = apart[np.arange(len(part)), nearest] <= reach
             out[first : first + step][led] = np.array(leading)[nearest[led]]
         alone = np.flatnonzero(out[first : first + step] < 0)
-        own = _chords(moments, part[alone], part[alone]) <= reach
+        own = _chords(moments, part[alone], part[alone], symmetric) <= reach
         own[np.diag_indices(len(alone))] = True
         for k, row in zip(alone.tolist(), own, strict=True):
             if out[first + k] < 0:
@@ -187,7 +196,7 @@ def _state_of(moments: Moments, group: Sequence[Mark], near: Nearness) -> ReadSt
         for first in range(0, len(middle), step)
     ]
     moment = int(middle[np.concatenate(means).argmin()])
-    symmetric = float(np.median(moments.symmetry[middle])) < max(4 * near.same, 0.04 * near.spread)
+    symmetric = float(np.median(moments.symmetry[middle])) < near.symmetric
     return ReadState(moment, symmetric, bool(traced))
 
 
@@ -668,7 +677,8 @@ def read(
         place = ground.localise(moments, near.same, progress)
         edges = [Mark(t, False) for b in breaks for t in (b - 1, b)]
         marks = [m for m in (*ground.find_marks(moments, place, near, breaks), *edges) if not inside[m.moment]]
-    states = [_state_of(moments, group, near) for group in _cluster(moments, marks, near.state)] if marks else []
+    groups = _cluster(moments, marks, near.state, near.symmetric) if marks else []
+    states = [_state_of(moments, group, near) for group in groups]
     states = _refined(moments, states, near) if states else []
     states, roles = _with_cyclic(moments, states, cyclic, near)
     fixed = set(roles.values())
