@@ -15,18 +15,19 @@ from numpy.typing import NDArray
 
 from kinesics.body import contacts as _contacts
 from kinesics.body.contacts import Floor, runs
-from kinesics.body.limits import DEPTH_TOLERANCE, self_collisions
 from kinesics.body.motion import Motion
 from kinesics.body.pose import poses
 from kinesics.geometry import quaternion
 from kinesics.similarity import distance, mirror_distance
-from kinesics.synthesis.rendering import BEARING, Performance, Stage
+from kinesics.synthesis.rendering import BEARING, FLESH, Performance, Stage
 from kinesics.synthesis.repertoire import Repertoire
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 QUANTILE: Final = 0.99
+SLIDE: Final = 0.01
+"""Metres that a foot may slide in one contact."""
 _BLOCK: Final = 512
 
 
@@ -46,16 +47,23 @@ class Quality:
     percentile over joints and frames of transitions; and of the same moments as they were recorded."""
     turning_over: Beside
     """Share of them that are beyond the recordings' 99th percentile, which is .01 over all that was recorded."""
+    turning_added: float
+    """What performing adds: the difference, as a vector in the frame of the joint, of each leap from that of the same moment
+    as recorded; again the 99th percentile over joints and frames of transitions of its share of the recordings' 99th."""
     acceleration: Beside
     """The same of the accelerations of the joints' places."""
     acceleration_over: Beside
+    acceleration_added: float
+    """Vectors as seen from the heading."""
     slide: Beside
     """Metres that the bearing part of a foot goes over the floor in one contact: the 95th percentile of contacts."""
     slide_worst: Beside
-    slides_over: float
-    """Share of the contacts of the performance that slide more than 1 cm."""
+    slides_over: Beside
+    """Share of the contacts that slide more than 1 cm."""
     contact_share: Beside
     """Share of time that a foot is on the ground, mean of both."""
+    touches: float
+    """Share of the contacts, no part of which is one in what is played."""
     penetration: Beside
     """Metres that a heel or toe goes below the floor at worst."""
     distance: Beside
@@ -64,15 +72,23 @@ class Quality:
     joint_excess: float
     """Radians by which a joint goes beyond its range in the recordings, mirrored counted, at worst."""
     joint_excess_share: float
-    """Share of frames in which any joint does by more than a degree."""
-    collision: Beside
-    """Metres that two parts of the body pass into each other at worst."""
-    collision_share: Beside
-    """Share of frames in which any do, beyond the tolerance of `kinesics.body.limits`."""
+    """Share of frames in which any joint does by more than a tenth of a degree."""
+    collision: float
+    """Metres by which two parts of the body pass deeper into each other than the same two ever do in the recordings."""
+    collision_share: float
+    """Share of frames in which any do by more than `FLESH`."""
     lowered: float
     """Metres that the pelvis was lowered at worst."""
     contacts: int
     cuts: int
+
+
+class _Leaps(NamedTuple):
+    """Changes of angular velocity in the joints' frames, rad/s, and accelerations of their places as seen from the heading,
+    m/s², of all frames but the first and the last: shape (frames − 2, joints, 3) each."""
+
+    turning: Array
+    acceleration: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,15 +96,12 @@ class _Yardstick:
     turning: Array
     """99th percentile of each joint."""
     acceleration: Array
-    turnings: Array
-    """Of every frame and its mirror image, shape (2, frames, joints)."""
-    accelerations: Array
+    leaps: _Leaps
+    """Of every frame and its mirror image, shape (2, frames, joints, 3); forwards."""
     slides: Array
     feet: Mask
     """Shape (2, frames, 2)."""
     penetration: float
-    collision: float
-    collision_share: float
 
 
 _yardsticks: weakref.WeakKeyDictionary[Repertoire, _Yardstick] = weakref.WeakKeyDictionary()
@@ -106,75 +119,71 @@ def measure(performance: Performance, repertoire: Repertoire, *, threshold: floa
     own = _yardsticks[repertoire]
     motion, stage = performance.motion, Stage.of(repertoire)
     came = performance.provenance
-    turning, acceleration = _leaps(motion)
-    at = came.transition[1:-1]
-    turned, pushed = turning[at] / own.turning, acceleration[at] / own.acceleration
-    # the same moments as they were recorded
-    frame = repertoire.frame_of(came.moment)[1:-1][at]
-    image = came.mirrored[1:-1][at].astype(np.intp)
-    was_turned, was_pushed = (
-        own.turnings[image, frame] / own.turning,
-        own.accelerations[image, frame] / own.acceleration,
-    )
+    frame, image = repertoire.frame_of(came.moment), came.mirrored.astype(np.intp)
+    leaps = _leaps(motion)
+    at = np.flatnonzero(came.transition[1:-1])
+    # the same moments as they were recorded; played backwards a velocity is reversed, and so is its change in time: twice
+    recorded = _Leaps(*(values[image[at + 1], frame[at + 1]] for values in own.leaps))
+    turned, was_turned, turn_added = _shares(leaps.turning[at], recorded.turning, own.turning)
+    pushed, was_pushed, push_added = _shares(leaps.acceleration[at], recorded.acceleration, own.acceleration)
     slides, feet, sunk = _feet(motion, stage)
-    share = float(feet.mean())
-    frame_all, image_all = repertoire.frame_of(came.moment), came.mirrored.astype(np.intp)
-    low = [float(_nearest(motion, repertoire).max())]
+    played = own.feet[image, frame]
     excess = _beyond(motion, stage)
-    hit = self_collisions(motion)
+    deep = stage.capsules.depths(motion.positions(), motion.global_rotations()) - stage.deepest
+    spans = [(k, a, b) for k in (0, 1) for a, b in runs(feet[:, k])]
     return Quality(
         turning=Beside(_quantile(turned), _quantile(was_turned)),
         turning_over=Beside(_over(turned), _over(was_turned)),
+        turning_added=_quantile(turn_added),
         acceleration=Beside(_quantile(pushed), _quantile(was_pushed)),
         acceleration_over=Beside(_over(pushed), _over(was_pushed)),
+        acceleration_added=_quantile(push_added),
         slide=Beside(_quantile(slides, 0.95), _quantile(own.slides, 0.95)),
         slide_worst=Beside(_quantile(slides, 1.0), _quantile(own.slides, 1.0)),
-        slides_over=float(np.mean(slides > 0.01)) if len(slides) else 0.0,
-        contact_share=Beside(share, float(own.feet[image_all, frame_all].mean())),
+        slides_over=Beside(_over(slides / SLIDE), _over(own.slides / SLIDE)),
+        contact_share=Beside(float(feet.mean()), float(played.mean())),
+        touches=float(np.mean([not played[a:b, k].any() for k, a, b in spans])) if spans else 0.0,
         penetration=Beside(sunk, own.penetration),
-        distance=Beside(low[0], threshold),
+        distance=Beside(float(_nearest(motion, repertoire).max()), threshold),
         joint_excess=float(excess.max(initial=0.0)),
-        joint_excess_share=float(np.mean((excess > np.deg2rad(1.0)).any(axis=1))),
-        collision=Beside(_deepest(hit), own.collision),
-        collision_share=Beside(hit.frames / motion.frame_count, own.collision_share),
+        joint_excess_share=float(np.mean((excess > np.deg2rad(0.1)).any(axis=1))),
+        collision=float(max(0.0, deep.max(initial=0.0))),
+        collision_share=float(np.mean((deep > FLESH).any(axis=1))),
         lowered=float(performance.lowered.max()),
         contacts=len(slides),
         cuts=len(performance.cuts),
     )
 
 
+def _shares(values: Array, recorded: Array, usual: Array) -> tuple[Array, Array, Array]:
+    """Sizes of vectors (n, joints, 3), of the recorded ones and of their difference, as shares of what is usual (joints,)."""
+    sizes = (np.linalg.norm(v, axis=-1) / usual for v in (values, recorded, values - recorded))
+    a, b, c = sizes
+    return a, b, c
+
+
 def _yardstick(repertoire: Repertoire) -> _Yardstick:
     stage = Stage.of(repertoire)
-    shape = (2, repertoire.frame_count, repertoire.skeleton.joint_count)
+    shape = (2, repertoire.frame_count, repertoire.skeleton.joint_count, 3)
     turnings, pushes = np.zeros(shape), np.zeros(shape)
     feet = np.zeros((2, repertoire.frame_count, 2), dtype=np.bool_)
-    slides, sunk, hits, deep = [], 0.0, 0, 0.0
+    slides, sunk = [], 0.0
     inner = np.zeros(repertoire.frame_count, dtype=np.bool_)
+    strands = (0, 1) if repertoire.mirrored else (0,)
     for k in range(repertoire.recording_count):
         a, b = int(repertoire.starts[k]), int(repertoire.starts[k + 1])
         inner[a + 1 : b - 1] = True
-        for strand in (0, 1) if repertoire.mirrored else (0,):
+        for strand in strands:
             motion = repertoire.motion(k, strand)
             turnings[strand, a + 1 : b - 1], pushes[strand, a + 1 : b - 1] = _leaps(motion)
             slide, stands, low = _feet(motion, stage)
             feet[strand, a:b] = stands
             slides.append(slide)
             sunk = max(sunk, low)
-            hit = self_collisions(motion)
-            hits += hit.frames
-            deep = max(deep, _deepest(hit))
-    strands = (0, 1) if repertoire.mirrored else (0,)
-    return _Yardstick(
-        _per_joint(turnings[list(strands)][:, inner].reshape(-1, shape[2])),
-        _per_joint(pushes[list(strands)][:, inner].reshape(-1, shape[2])),
-        turnings,
-        pushes,
-        np.concatenate(slides),
-        feet,
-        sunk,
-        deep,
-        hits / (len(strands) * repertoire.frame_count),
+    usual = (
+        _per_joint(np.linalg.norm(v[list(strands)][:, inner], axis=-1).reshape(-1, shape[2])) for v in (turnings, pushes)
     )
+    return _Yardstick(*usual, _Leaps(turnings, pushes), np.concatenate(slides), feet, sunk)
 
 
 def _per_joint(values: Array) -> Array:
@@ -184,15 +193,14 @@ def _per_joint(values: Array) -> Array:
     return np.where(moving, out, np.inf)
 
 
-def _leaps(motion: Motion) -> tuple[Array, Array]:
-    """Changes of angular velocity (rad/s) and accelerations of places (m/s²), each (frames − 2, joints)."""
+def _leaps(motion: Motion) -> _Leaps:
     q = motion.rotations
     turned = quaternion.as_rotvec(quaternion.multiply(quaternion.conjugate(q[:-1]), q[1:])) * motion.fps
-    places = motion.positions()
-    return (
-        np.linalg.norm(np.diff(turned, axis=0), axis=-1),
-        np.linalg.norm(np.diff(places, n=2, axis=0), axis=-1) * motion.fps**2,
-    )
+    pushed = np.diff(motion.positions(), n=2, axis=0) * motion.fps**2
+    yaw = poses(motion).yaw[1:-1, None]
+    sine, cosine = np.sin(yaw), np.cos(yaw)
+    x, y, z = np.moveaxis(pushed, -1, 0)
+    return _Leaps(np.diff(turned, axis=0), np.stack([cosine * x - sine * z, y, sine * x + cosine * z], axis=-1))
 
 
 def _feet(motion: Motion, stage: Stage) -> tuple[Array, Mask, float]:
@@ -243,11 +251,6 @@ def _beyond(motion: Motion, stage: Stage) -> Array:
     out = np.maximum(np.maximum(stage.low - vectors, vectors - stage.high), 0.0).max(axis=-1)
     out[:, : stage.carrier + 1] = 0.0
     return np.asarray(out)
-
-
-def _deepest(found: object) -> float:
-    hits = getattr(found, "collisions", ())
-    return float(hits[0].worst_depth) if hits else DEPTH_TOLERANCE * 0.0
 
 
 def _over(shares: Array) -> float:

@@ -28,10 +28,11 @@ from numpy.typing import ArrayLike, NDArray
 from kinesics.body import contacts as _contacts
 from kinesics.body import kinematics
 from kinesics.body.contacts import Floor, Soles, runs
+from kinesics.body.limits import Capsules
 from kinesics.body.motion import Motion
 from kinesics.errors import InputError
 from kinesics.geometry import quaternion
-from kinesics.synthesis import blending, inverse_kinematics
+from kinesics.synthesis import blending, footing, inverse_kinematics
 from kinesics.synthesis.inverse_kinematics import Legs
 from kinesics.synthesis.network import Network
 from kinesics.synthesis.repertoire import Repertoire
@@ -50,6 +51,10 @@ RELEASE: Final = 0.07
 """Seconds before and after a contact over which the foot is let go."""
 _MARGIN: Final = 0.25
 """Share of such times for which the foot is still held as if it bore: no rule tells the very frame of its lifting."""
+GRIP: Final = 0.06
+"""Seconds in which a foot that comes down is held more and more firmly; in reverse as it is lifted."""
+GRIP_BEFORE: Final = 0.02
+"""Seconds before and after a contact from which on it is."""
 LIFT: Final = 0.10
 """Seconds before and after a contact over which the sole comes down to the floor."""
 SHORTEST_GAP: Final = 0.13
@@ -66,6 +71,9 @@ TOLERATED: Final = 0.01
 """Metres that a foot stands beside its place in the recording which weigh as much as `GENTLE` in the air."""
 ANKLE_ROUNDS: Final = 4
 """Most times that feet are planted, turned where their ankles were bent too far, and planted again."""
+FLESH: Final = 0.01
+"""Metres that limbs may press deeper into each other than they do in the recordings: flesh gives way by twice as much, and
+radii are known no better (`kinesics.body.limits.DEPTH_TOLERANCE`)."""
 _NOTHING: Final = np.deg2rad(0.2)
 YIELD: Final = 0.1
 """Seconds before and after over which a joint goes back that would go beyond its range."""
@@ -153,6 +161,11 @@ class Stage:
     low: Array
     """Least and greatest component of the rotation vector of each joint from its mean, radians, shape (joints, 3)."""
     high: Array
+    usual: footing.Usual
+    """Accelerations of the legs and the body."""
+    capsules: Capsules
+    deepest: Array
+    """Metres that each pair of the capsules passes into each other in the recordings, mirrored counted; 0 if never."""
 
     @classmethod
     def of(cls, repertoire: Repertoire) -> Stage:
@@ -194,6 +207,11 @@ class Stage:
         middle[:] = quaternion.mean(flat[:: max(1, len(flat) // 4000)])
         vectors = blending.rotation_offset(middle, flat)
         levels = 0.5 * (found.levels + found.levels[::-1])
+        capsules = Capsules.of(whole)
+        deepest = np.zeros(len(capsules.pairs))
+        for strand in strands:
+            known = kinematics.forward(skeleton, repertoire.rotations[strand], repertoire.root_positions[strand])
+            deepest = np.maximum(deepest, capsules.depths(*known).max(axis=0, initial=0.0))
         return cls(
             repertoire,
             legs,
@@ -205,6 +223,13 @@ class Stage:
             _carrier(repertoire),
             vectors.min(axis=0),
             vectors.max(axis=0),
+            footing.Usual(
+                accelerations[list(legs.femurs)],
+                accelerations[list(legs.tibias)],
+                float(accelerations[-1]),
+            ),
+            capsules,
+            deepest,
         )
 
 
@@ -582,8 +607,7 @@ def _pin(stage: Stage, rotations: Array, roots: Array, standing: Mask) -> _Foote
         given = given.copy()
         given[:, feet] = quaternion.multiply(quaternion.conjugate(own), quaternion.multiply(world, within[:, feet]))
     joints = np.array([*stage.legs.femurs, *stage.legs.tibias, *feet])
-    free = np.concatenate([1.0 - held, 1.0 - held, np.ones_like(held)], axis=1)
-    _within_range(stage, done.rotations, joints, free=free)
+    _within_range(stage, done.rotations, joints)
     return _above_the_floor(stage, done)
 
 
@@ -606,29 +630,31 @@ def _planted(stage: Stage, rotations: Array, roots: Array, standing: Mask, held:
     skeleton, fps = repertoire.skeleton, repertoire.fps
     known = kinematics.forward(skeleton, rotations, roots)
     soles = stage.soles.place(known.positions, known.rotations)
-    ankles = known.positions[:, list(legs.feet)]
+    hips, knees, ankles = (known.positions[:, list(joints)] for joints in (legs.femurs, legs.tibias, legs.feet))
+    lowest = soles[..., 1].min(axis=2)
     height = soles[..., 1] - stage.levels
-    corrected = np.zeros_like(ankles)
+    share = bearing(0.5 * (height[1:] + height[:-1]))
+    slid = np.einsum("fkp,fkpi->fki", share, np.diff(soles[..., [0, 2]], axis=0))
+    grip = np.stack([_grip(standing[:, k], fps) for k in (0, 1)], axis=-1)
+    press = np.stack([_held(standing[:, k], LIFT * fps) for k in (0, 1)], axis=-1)
+    found = footing.footing(
+        slid,
+        np.minimum(grip[1:], grip[:-1]),
+        lowest,
+        press,
+        footing.legs_of(hips, knees, ankles),
+        stage.usual,
+        fps,
+    )
+    corrected, shift = found.feet, found.body
+    reach = max(1, round(SOFTLY * fps))
     for k in (0, 1):
-        corrected[:, k, [0, 2]] = _unslid(soles[:, k][..., [0, 2]], height[:, k], standing[:, k], held[:, k], fps)
-        corrected[:, k, 1] = _raised(soles[:, k, :, 1], standing[:, k], fps)
+        corrected[:, k, 1] += envelope(np.maximum(-(lowest[:, k] + corrected[:, k, 1]) - SUNK, 0.0), reach)
     targets = ankles + corrected
-    shift = _leaning(corrected, held, fps)
-    lowered = _lowering(stage, known.positions + shift[:, None], targets, held, fps)
-    shift[:, 1] -= lowered
+    shift[:, 1] -= _lowering(stage, known.positions + shift[:, None], targets, held, fps)
     known = known._replace(positions=known.positions + shift[:, None])
     done = inverse_kinematics.reach(skeleton, rotations, roots + shift, targets, limbs=legs, known=known)
-    return _Footed(done.rotations, roots + shift, corrected, lowered, done.misses)
-
-
-def _leaning(corrected: Array, held: Array, fps: float) -> Array:
-    """What the body goes along with its bearing feet over the floor, so that the legs need not bear it all: (frames, 3)."""
-    reach = max(1, round(LEAN * fps))
-    weight = _smooth(held.sum(axis=1) + _FLIGHT, reach)
-    out = np.zeros((len(corrected), 3))
-    for axis in (0, 2):
-        out[:, axis] = _smooth((held * corrected[..., axis]).sum(axis=1), reach) / weight
-    return out
+    return _Footed(done.rotations, roots + shift, corrected, np.maximum(-shift[:, 1], 0.0), done.misses)
 
 
 def bearing(height: Array) -> Array:
@@ -638,48 +664,14 @@ def bearing(height: Array) -> Array:
     return np.asarray(weight / weight.sum(axis=-1, keepdims=True))
 
 
-def _unslid(points: Array, height: Array, standing: Mask, held: Array, fps: float) -> Array:
-    """What must be added to a foot's place so that it does not slide while it bears: (frames, 2).
+def _grip(standing: Mask, fps: float) -> Array:
+    """How firmly a foot is held, 0 to 1: wholly while it bears, but for where it rolls on and off, shape (frames,)."""
+    from scipy.ndimage import distance_transform_edt
 
-    Parameters
-    ----------
-    points : of its sole, x and z, shape (frames, points, 2); ``height`` of them, shape (frames, points).
-    """
-    frames = len(points)
-    if frames < 2 or not standing.any():
-        return np.zeros((frames, 2))
-    share = bearing(0.5 * (height[1:] + height[:-1]))
-    slid = np.einsum("fp,fpi->fi", share, np.diff(points, axis=0))
-    held = np.minimum(held[1:], held[:-1])
-    kept = np.concatenate([np.zeros((1, 2)), np.cumsum(-held[:, None] * slid, axis=0)])
-    # one constant for each contact brings the foot near to where it was; it changes from one to the next in the air
-    spans = runs(standing)
-    means = np.array([kept[a:b].mean(axis=0) for a, b in spans])
-    counts = np.array([b - a for a, b in spans], dtype=np.float64)
-    gaps = np.array([c - b + 1 for (_, b), (c, _) in itertools.pairwise(spans)], dtype=np.float64) / fps
-    stiff = np.mean(counts) * (TOLERATED * 10.0 / np.sqrt(3.0) / (gaps**2 * GENTLE)) ** 2
-    places = -_tied(means, counts, stiff)
-    back = np.empty((frames, 2))
-    back[: spans[0][1]] = places[0]
-    for n, ((_, b), (c, d)) in enumerate(itertools.pairwise(spans)):
-        t = blending.ease(np.arange(1, c - b + 1) / (c - b + 1))[:, None]
-        back[b:c] = places[n] + t * (places[n + 1] - places[n])
-        back[c:d] = places[n + 1]
-    back[spans[-1][1] :] = places[-1]
-    return kept + back
-
-
-def _tied(wanted: Array, weight: Array, stiff: Array) -> Array:
-    """x that minimises Σ weight (x − wanted)² + Σ stiff (x[n+1] − x[n])²: shape (n, 2)."""
-    from scipy.linalg import solveh_banded
-
-    if len(wanted) == 1:
-        return wanted
-    diagonal = weight.copy()
-    diagonal[:-1] += stiff
-    diagonal[1:] += stiff
-    bands = np.stack([np.concatenate([[0.0], -stiff]), diagonal])
-    return np.asarray(solveh_banded(bands, weight[:, None] * wanted))
+    if standing.all() or not standing.any():
+        return standing.astype(np.float64)
+    inside = np.asarray(distance_transform_edt(standing)) - np.asarray(distance_transform_edt(~standing))
+    return np.asarray(blending.ease((inside / fps + GRIP_BEFORE) / GRIP))
 
 
 def _held(standing: Mask, reach: float) -> Array:
@@ -690,20 +682,6 @@ def _held(standing: Mask, reach: float) -> Array:
         return np.ones(len(standing))
     away = np.asarray(distance_transform_edt(~standing))
     return 1.0 - blending.ease((away - _MARGIN * reach) / ((1.0 - _MARGIN) * reach + 1.0))
-
-
-def _raised(height: Array, standing: Mask, fps: float) -> Array:
-    """What a foot is raised by so that its sole is on the floor while it bears, and never below: (frames,).
-
-    Parameters
-    ----------
-    height : of the points of its sole, shape (frames, points).
-    """
-    reach = max(1, round(SOFTLY * fps))
-    lowest = height.min(axis=1)
-    down = -_held(standing, LIFT * fps) * _smooth(lowest, reach)
-    sunk = np.maximum(-(lowest + down) - SUNK, 0.0)
-    return down + envelope(sunk, reach)
 
 
 def _smooth(values: Array, reach: int) -> Array:

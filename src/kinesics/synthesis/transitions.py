@@ -15,7 +15,11 @@ mirrored transitions, and those of reversed ones the reversed.
   slow, by half of what it usually changes within the time of a blend: one may begin to move from rest;
 - the velocity of the root over the ground and its turning, seen from the heading, and its height: by no more than nine tenths
   of all moving moments change within the time of a blend, see `Limits`;
-- the feet: none that stands where the other swings, unless it changes at the seam.
+- the feet: none that stands where the other swings, unless it changes at the seam;
+- where they are beneath the body, seen from the heading: strides of unlike length cannot be told by D, which is in angles, but
+  a foot that stays where it bears must make up for the difference with its leg. By no more than `PLACE` of what all moving
+  moments change within the time of a blend, 15 to 20 cm, a bearing foot by half as much;
+- and how fast they go there: by no more than `FOOT_VELOCITY` of what changes within that time.
 
 **The threshold** is found in the recordings (`Limits.rule`): the offset that a blend of a quarter of a second hides may be no
 larger than what the movement itself covers in that time, the median over all moments that move, in √(2D), which is a length;
@@ -44,7 +48,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.analysis.stillness import EPSILON, JITTERS, sensor_jitter
-from kinesics.body import pose
+from kinesics.body import kinematics, pose
 from kinesics.errors import InputError
 from kinesics.geometry import quaternion
 from kinesics.progress import Progress, silent
@@ -86,6 +90,13 @@ CHANGE_QUANTILE: Final = 0.9
 FOOT: Final = 0.5
 """Difference between shares of time on the ground about the seam."""
 FOOT_SECONDS: Final = 0.14
+PLACE: Final = 0.7
+"""Difference between the places of the feet, as a share of what nine tenths of all moments change within a blend."""
+BEARING: Final = 0.5
+"""The same of a foot that bears, as a share of that."""
+FOOT_VELOCITY: Final = 0.5
+_LEAST_PLACE: Final = 0.15
+_MOST_PLACE: Final = 0.2
 _LEAST_VELOCITY: Final = 0.1
 _LEAST_TURN: Final = 0.5
 _LEAST_HEIGHT: Final = 0.03
@@ -113,6 +124,10 @@ class Limits:
     """Of the heading, rad/s."""
     height: float
     """Of the root, metres."""
+    place: float
+    """Of a swinging foot beneath the root, metres; of one that bears half as much."""
+    foot_velocity: float
+    """Of a foot beneath the root, m/s."""
 
 
 class Nearest(NamedTuple):
@@ -242,6 +257,9 @@ class _Seams:
         self.turning = (yaw[after] - yaw[before]) / seconds
         moved = place[after][:, [0, 2]] - place[before][:, [0, 2]]
         self.travel = from_heading(moved, 0.5 * (yaw[last] + yaw)) / seconds[:, None]
+        feet = feet_beneath(repertoire)
+        self.place = 0.5 * (feet[:, last] + feet)
+        self.foot_velocity = (feet[:, after] - feet[:, before]) / seconds[:, None, None]
         reach = max(1, round(0.5 * FOOT_SECONDS * self.fps))
         standing = np.cumsum(np.concatenate([np.zeros((1, 2)), repertoire.contacts_of(index)]), axis=0)
         low, high = np.maximum(index - reach, first), np.minimum(index + reach, end)
@@ -280,6 +298,12 @@ class _Seams:
             pose_velocity[part] = apart / np.maximum(DIRECTION * faster, limits.pose_velocity)
         travel = self.travel[b] * np.stack([mirror, np.ones_like(mirror)], axis=1) * time[:, None]
         standing = np.where(image[:, None], self.standing[b][:, ::-1], self.standing[b])
+        strand = image.astype(np.intp)
+        away = np.linalg.norm(self.place[0, a] - self.place[strand, b], axis=-1)
+        bearing = np.minimum(self.standing[a], standing)
+        faster = np.linalg.norm(
+            self.foot_velocity[0, a] - time[:, None, None] * self.foot_velocity[strand, b], axis=-1
+        )
         return {
             POSE: np.sqrt(pairs.distance / limits.distance),
             "velocity of the pose": pose_velocity,
@@ -287,6 +311,8 @@ class _Seams:
             "turning": np.abs(self.turning[a] - mirror * time * self.turning[b]) / limits.turn,
             "height of the pelvis": np.abs(self.height[a] - self.height[b]) / limits.height,
             "feet on the ground": np.abs(self.standing[a] - standing).max(axis=1) / FOOT,
+            "place of the feet": (away / (limits.place * (1.0 - (1.0 - BEARING) * bearing))).max(axis=1),
+            "velocity of the feet": faster.max(axis=1) / limits.foot_velocity,
         }
 
 
@@ -303,6 +329,32 @@ def from_heading(vectors: Array, yaw: Array) -> Array:
     sine, cosine = np.sin(yaw), np.cos(yaw)
     x, z = vectors[:, 0], vectors[:, 1]
     return np.stack([cosine * x - sine * z, sine * x + cosine * z], axis=1)
+
+
+def feet_beneath(repertoire: Repertoire) -> Array:
+    """Ankles from the root, to the left, up, ahead as seen from the heading, metres, as recorded and mirrored.
+
+    Shape (2, frames, 2, 3).
+    """
+    skeleton = repertoire.skeleton
+    assert skeleton.anatomy is not None
+    roles = skeleton.anatomy.roles
+    # a leg without an ankle is told by its knee
+    feet = [
+        getattr(roles, f"{side}_tibia") if getattr(roles, f"{side}_foot") is None else getattr(roles, f"{side}_foot")
+        for side in ("left", "right")
+    ]
+    index = np.arange(repertoire.frame_count)
+    out = np.zeros((2, repertoire.frame_count, 2, 3))
+    for strand in (0, 1) if repertoire.mirrored else (0,):
+        roots = repertoire.root_positions[strand]
+        known = kinematics.positions(skeleton, repertoire.rotations[strand], roots)
+        away = known[:, feet] - roots[:, None]
+        yaw = repertoire.yaw_of(repertoire.moments(index, strand))
+        for k in (0, 1):
+            out[strand, :, k][:, [0, 2]] = from_heading(away[:, k][:, [0, 2]], yaw)
+        out[strand, ..., 1] = away[..., 1]
+    return out
 
 
 def _limits(repertoire: Repertoire, threshold: float | None, weights: Array) -> Limits:
@@ -344,6 +396,8 @@ def _limits(repertoire: Repertoire, threshold: float | None, weights: Array) -> 
     turning = (yaw[ahead] - yaw) / seconds
     whole = early[early + lag + wide <= ends[early]]
 
+    feet = feet_beneath(repertoire)[0]
+    going = (feet[ahead] - feet) / seconds[:, None, None]
     velocity = _pose_velocity(q, q[ahead], weights, seconds)
     bent = np.linalg.norm(velocity[whole + lag] - velocity[whole], axis=1)
     bends = float(np.median(bent)) if len(whole) else 0.0
@@ -351,8 +405,9 @@ def _limits(repertoire: Repertoire, threshold: float | None, weights: Array) -> 
     def change(values: Array, at: Indices, least: float) -> float:
         if not len(at):
             return least
-        apart = (values[at + lag] - values[at]).reshape(len(at), -1)
-        return max(least, float(np.quantile(np.linalg.norm(apart, axis=1), CHANGE_QUANTILE)))
+        apart = values[at + lag] - values[at]
+        size = np.linalg.norm(apart, axis=-1) if apart.ndim > 1 else np.abs(apart)
+        return max(least, float(np.quantile(size, CHANGE_QUANTILE)))
 
     return Limits(
         distance=allowed,
@@ -361,6 +416,8 @@ def _limits(repertoire: Repertoire, threshold: float | None, weights: Array) -> 
         velocity=change(travel, whole, _LEAST_VELOCITY),
         turn=change(turning, whole, _LEAST_TURN),
         height=change(roots[:, 1], early, _LEAST_HEIGHT),
+        place=float(np.clip(PLACE * change(feet, early, 0.0), _LEAST_PLACE, _MOST_PLACE)),
+        foot_velocity=max(_LEAST_VELOCITY, FOOT_VELOCITY * change(going, whole, 0.0)),
     )
 
 

@@ -1,0 +1,169 @@
+"""Where feet and body go so that bearing feet stay in place and nothing is accelerated more than need be ([Schultz2012] §4.4).
+
+What is added to the places of both ankles and of the body is sought for all frames at once, as the least of a sum of squares
+(in the spirit of Kovar, Schreiner & Gleicher 2002, *Footskate Cleanup for Motion Capture Editing*, whose corrections are
+smoothed after they are found; here smoothness is part of what is sought):
+
+- a bearing foot's going over the floor, whole in the middle of a contact, little at its ends, where it rolls on and off;
+- a bearing sole's height above the floor;
+- angular accelerations of knees and hips that the correction adds, as shares of what those joints do in the recordings. Near
+  full extension a knee turns much for little, so there the body goes along rather than the leg being stretched;
+- accelerations of feet and body that it adds;
+- how far feet are from where the recording has them beneath the body, and the body from where it has it.
+
+The sum is quadratic, its matrix banded, so that the answer is exact and takes a few milliseconds.
+"""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+SLIP: Final = 0.01
+"""m/s over the floor that weigh as much as the accelerations below."""
+HEIGHT: Final = 0.003
+"""Metres above the floor that do."""
+GENTLE: Final = 10.0
+"""m/s²: of a foot."""
+ASTRAY: Final = 0.04
+"""Metres of a foot from its place beneath the body."""
+ADRIFT: Final = 0.1
+"""Metres of the body over the floor from its place."""
+SINKING: Final = 0.02
+"""Metres of the body's height."""
+_SHARE: Final = 0.25
+"""Of the 99th percentile of the recordings' accelerations, which weighs as much as the values above."""
+_LEAST_BEND: Final = np.deg2rad(12.0)
+"""A knee that is straighter counts as one bent by so much: beyond, the leg's length is quadratic in the angle."""
+_BODY: Final = 6
+
+
+class Leg(NamedTuple):
+    """Of both legs in every frame, before anything is added."""
+
+    direction: Array
+    """Unit vectors from hip to ankle, shape (frames, 2, 3)."""
+    distance: Array
+    """Metres from hip to ankle, shape (frames, 2)."""
+    knee: Array
+    """Radians that the knee turns for each metre of that distance, shape (frames, 2)."""
+
+
+def legs_of(hips: Array, knees: Array, ankles: Array) -> Leg:
+    """From the places of hips, knees and ankles, shape (frames, 2, 3) each."""
+    upper, lower = np.linalg.norm(knees - hips, axis=-1), np.linalg.norm(ankles - knees, axis=-1)
+    away = ankles - hips
+    distance = np.maximum(np.linalg.norm(away, axis=-1), 1e-6)
+    cosine = np.clip((distance**2 - upper**2 - lower**2) / (2.0 * upper * lower), -1.0, 1.0)
+    bend = np.maximum(np.arccos(cosine), _LEAST_BEND)
+    return Leg(away / distance[..., None], distance, distance / (upper * lower * np.sin(bend)))
+
+
+class Usual(NamedTuple):
+    """Accelerations in the recordings, 99th percentiles."""
+
+    hips: Array
+    """rad/s², shape (2,)."""
+    knees: Array
+    body: float
+    """m/s²."""
+
+
+class Footing(NamedTuple):
+    """What is added to places, metres."""
+
+    feet: Array
+    """Shape (frames, 2, 3)."""
+    body: Array
+    """Shape (frames, 3)."""
+
+
+def footing(slid: Array, grip: Array, height: Array, press: Array, leg: Leg, usual: Usual, fps: float) -> Footing:
+    """Seek what is added to the places of feet and body.
+
+    Parameters
+    ----------
+    slid : what the bearing part of each sole goes over the floor from each frame to the next, x and z: (frames − 1, 2, 2).
+    grip : 0 to 1, how much of that is to be taken away, shape (frames − 1, 2).
+    height : of the lowest point of each sole above the floor, shape (frames, 2).
+    press : 0 to 1, how much it is to be on the floor, shape (frames, 2).
+    """
+    frames = len(height)
+    if frames < 3:
+        return Footing(np.zeros((frames, 2, 3)), np.zeros((frames, 3)))
+    here, next_, after = np.zeros((frames, 9, 9)), np.zeros((frames, 9, 9)), np.zeros((frames, 9, 9))
+    wanted = np.zeros((frames, 9))
+    diagonal = np.einsum("fii->fi", here)
+    beside = np.einsum("fii->fi", next_)
+    for k in (0, 1):
+        for n, axis in enumerate((0, 2)):
+            column = 3 * k + axis
+            weight = np.square(grip[:, k] * fps / SLIP)
+            diagonal[1:, column] += weight
+            diagonal[:-1, column] += weight
+            beside[:-1, column] -= weight
+            wanted[1:, column] -= weight * slid[:, k, n]
+            wanted[:-1, column] += weight * slid[:, k, n]
+        weight = np.square(press[:, k] / HEIGHT)
+        diagonal[:, 3 * k + 1] += weight
+        wanted[:, 3 * k + 1] -= weight * height[:, k]
+        for axis in range(3):
+            foot, body = 3 * k + axis, _BODY + axis
+            weight = 1.0 / ASTRAY**2
+            here[:, foot, foot] += weight
+            here[:, body, body] += weight
+            here[:, foot, body] -= weight
+            here[:, body, foot] -= weight
+    diagonal[:, _BODY:] += 1.0 / np.square([ADRIFT, SINKING, ADRIFT])
+    bent = _accelerations(leg, usual) * fps**2
+    square = np.einsum("fri,frj->fij", bent, bent)
+    inner = square[1:-1]
+    here[:-2] += square[:-2]
+    here[1:-1] += 4.0 * inner
+    here[2:] += square[2:]
+    cross = np.einsum("fri,frj->fij", bent[:-1], bent[1:])
+    next_[:-2] -= 2.0 * cross[:-1]
+    next_[1:-1] -= 2.0 * cross[1:]
+    after[:-2] += np.einsum("fri,frj->fij", bent[:-2], bent[2:])
+    found = _solved(here, next_, after, wanted)
+    return Footing(found[:, :_BODY].reshape(frames, 2, 3), found[:, _BODY:])
+
+
+def _accelerations(leg: Leg, usual: Usual) -> Array:
+    """What is to have little second difference, by what is added: shape (frames, rows, 9)."""
+    frames = len(leg.distance)
+    out = np.zeros((frames, 17, 9))
+    for k in (0, 1):
+        knee = leg.direction[:, k] * (leg.knee[:, k] / (_SHARE * usual.knees[k]))[:, None]
+        out[:, k, 3 * k : 3 * k + 3] = knee
+        out[:, k, _BODY:] = -knee
+        for axis in range(3):
+            hip = 1.0 / (leg.distance[:, k] * _SHARE * usual.hips[k])
+            row = 2 + 3 * k + axis
+            out[:, row, 3 * k + axis] = hip
+            out[:, row, _BODY + axis] = -hip
+            out[:, 8 + 3 * k + axis, 3 * k + axis] = 1.0 / GENTLE
+    for axis in range(3):
+        out[:, 14 + axis, _BODY + axis] = 1.0 / (_SHARE * usual.body)
+    return out
+
+
+def _solved(here: Array, next_: Array, after: Array, wanted: Array) -> Array:
+    """Solution of the block-banded symmetric system: blocks of each frame with itself, the next and the one after that."""
+    from scipy.linalg import solveh_banded
+
+    frames, size = wanted.shape
+    bands = np.zeros((3 * size, frames * size))
+    # in lower form row d holds the entries (i + d, i)
+    for offset, blocks in enumerate((here, next_, after)):
+        for i in range(size):
+            for j in range(size):
+                below = offset * size + j - i
+                if below >= 0:
+                    bands[below, i::size] = blocks[:, i, j]
+    found = solveh_banded(bands, wanted.reshape(-1), lower=True, overwrite_ab=True, check_finite=False)
+    return np.asarray(found).reshape(frames, size)
