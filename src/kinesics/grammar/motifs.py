@@ -154,7 +154,7 @@ class _Search:
         self.moments = moments
         n, fps = moments.count, moments.fps
         self.half = max(2, round(SEED_S * fps))
-        by_lag = moments.by_lag(2 * self.half + 1)[0]
+        by_lag = moments.d_by_lag(2 * self.half + 1)
         floor = _SWAY + _RANGE * moments.noise
         range_ = _RANGE * spread(by_lag, self.half)
         self.range: Array = np.where(range_ > floor, range_, 0.0)
@@ -556,7 +556,7 @@ def find_reversals(moments: Moments) -> tuple[Reversal, ...]:
     reaches = [w for w in (max(2, round(s * fps)) for s in _TURN_S) if 2 * w < n]
     if not reaches:
         return ()
-    by_lag = moments.by_lag(2 * max(reaches) + 1)[0]
+    by_lag = moments.d_by_lag(2 * max(reaches) + 1)
     bend = lags.bend_cost(by_lag)
     floor = _SWAY + _RANGE * moments.noise
     places = np.arange(2 * n - 1)
