@@ -40,6 +40,8 @@ Indices = NDArray[np.intp]
 Mask = NDArray[np.bool_]
 
 _NAMES_AT_MOST: Final = 8
+NEAR_STATE: Final = 0.25
+"""Seconds between a seam and a state that is passed there, at most."""
 _LEAST_COST: Final = 1e-12
 
 
@@ -166,6 +168,7 @@ def network(
     density: float = DENSITY,
     spacing: float = SPACING,
     weights: Weights | None = None,
+    seams: Indices | Sequence[int] = (),
     progress: Progress = silent,
 ) -> Network:
     """Cut the recordings at their transitions and keep what can be performed without end.
@@ -175,6 +178,7 @@ def network(
     transitions : as found by `kinesics.synthesis.transitions.transitions`, or some of them; found with the other parameters if
         not given.
     threshold, density, spacing, weights, progress : see there.
+    seams : frames, over all recordings end to end, before which the recordings are cut besides: so that paths begin and end there.
 
     Returns
     -------
@@ -199,7 +203,10 @@ def network(
         raise InputError("The transitions were found in another repertoire than the one given.")
     if not len(found):
         raise InputError(_why_none(found))
-    draft = _draft(repertoire, found)
+    besides = np.asarray(seams, dtype=np.intp).reshape(-1)
+    if len(besides) and not (besides.min() >= 0 and besides.max() < repertoire.frame_count):
+        raise InputError(f"Expected `seams` below {repertoire.frame_count}, got {besides.min()} to {besides.max()}.")
+    draft = _draft(repertoire, found, besides)
     while True:
         kept = _largest_part(draft)
         if not kept.any():
@@ -217,7 +224,7 @@ def network(
         if len(used) == len(found):
             break
         found = _some(found, used)
-        draft = _draft(repertoire, found)
+        draft = _draft(repertoire, found, besides)
     return _finished(repertoire, found, draft, kept)
 
 
@@ -235,7 +242,7 @@ class _Draft(NamedTuple):
     """…and the number of the transition between them, −1 where the recording goes on."""
 
 
-def _draft(repertoire: Repertoire, found: Transitions) -> _Draft:
+def _draft(repertoire: Repertoire, found: Transitions, besides: Indices) -> _Draft:
     firsts: list[Indices] = []
     lasts: list[Indices] = []
     lengths: list[Indices] = []
@@ -243,7 +250,7 @@ def _draft(repertoire: Repertoire, found: Transitions) -> _Draft:
     # the seam behind a moment from which one leaves, and the one before a moment at which one arrives
     behind = repertoire.frame_of(found.source) + np.where(backward_source, 0, 1)
     before = repertoire.frame_of(found.target) + np.where(backward_target, 1, 0)
-    cuts = np.unique(np.concatenate([behind, before, repertoire.starts]))
+    cuts = np.unique(np.concatenate([behind, before, repertoire.starts, besides]))
     for strand in repertoire.strands:
         start, end = repertoire.moments(cuts[:-1], strand), repertoire.moments(cuts[1:] - 1, strand)
         backward = BACKWARD_STRANDS[strand]
@@ -439,8 +446,8 @@ def labelled(
     ----------
     graph : of the same recordings in the same order, as `kinesics.graph` reads it. Not necessarily racemic.
     phrases : whose classes are given to the paths, as `kinesics.analyze` finds them; none leaves `Network.class_` empty.
-    at_states : whether only the first piece of a path of the motion graph is said to come from a state, and only the last to
-        lead to one, so that who begins or ends there is in that state. Else all pieces of it carry both.
+    at_states : whether a path is said to come from a state, or to lead to one, only if it begins or ends there itself. Else
+        all pieces of a path of the motion graph carry the states at its two ends.
 
     Raises
     ------
@@ -472,12 +479,20 @@ def labelled(
             continue
         steps = whole.timeline(number)
         said = [p for p in phrases if p.source == number]
-        shared = _most_shared(steps, *ends[:, own])
-        for path, at in zip(own.tolist(), shared, strict=True):
+        for path, at in zip(own.tolist(), _most_shared(steps, *ends[:, own]), strict=True):
             if at >= 0:
                 words[path] = _word(whole, steps[at], int(network.strand[path]))
         if at_states:
-            _keep_ends(words, steps, own, np.asarray(shared), network.strand[own])
+            rate = repertoire.source_fps[number] / repertoire.fps
+            for strand in np.unique(network.strand[own]).tolist():
+                these = own[network.strand[own] == strand]
+                low, high = ends[0, these], ends[1, these] + rate
+                places = (high, low) if BACKWARD_STRANDS[strand] else (low, high)
+                near = NEAR_STATE * repertoire.source_fps[number]
+                for path, begin, end in zip(
+                    these.tolist(), *_at_states(whole, steps, *places, strand, near), strict=True
+                ):
+                    words[path] = words[path]._replace(state_from=begin, state_to=end)
         for path, at in zip(own.tolist(), _most_shared(said, *ends[:, own]), strict=True):
             if at >= 0:
                 classes[path] = said[at].class_ or ""
@@ -490,28 +505,52 @@ def labelled(
     )
 
 
-def _keep_ends(words: list[_Words], steps: Sequence[Step], paths: Indices, shared: Indices, strand: Indices) -> None:
-    """Take from pieces of a step the states that they neither begin nor end in; paths of one recording, in rising moments."""
-    for s in np.unique(strand).tolist():
-        for at in np.unique(shared[(strand == s) & (shared >= 0)]).tolist():
-            step = steps[at]
-            if step.path is None:
-                continue
-            # in order of time in the recording, whichever way it is played
-            pieces = paths[(strand == s) & (shared == at)].tolist()
-            # a step that the recording cuts off at its beginning or end reaches no state there
-            early = step.complete or at > 0
-            late = step.complete or at < len(steps) - 1
-            if BACKWARD_STRANDS[s]:
-                begins, ends = late and pieces[-1], early and pieces[0]
-            else:
-                begins, ends = early and pieces[0], late and pieces[-1]
-            for path in pieces:
-                word = words[path]
-                words[path] = word._replace(
-                    state_from=word.state_from if begins is not False and path == begins else "",
-                    state_to=word.state_to if ends is not False and path == ends else "",
-                )
+def state_seams(repertoire: Repertoire, graph: MotionGraph) -> Indices:
+    """Where the states of a motion graph are passed, entered and left: `seams` for `network`, so that paths can begin there.
+
+    Parameters
+    ----------
+    graph : of the same recordings in the same order.
+    """
+    out: list[int] = []
+    for number in range(min(len(graph.sources), repertoire.recording_count)):
+        low, high = repertoire.starts[number : number + 2].tolist()
+        rate = repertoire.fps / repertoire.source_fps[number]
+        ends = {frame for step in graph.timeline(number) for frame in (step.start, step.end)}
+        out += [low + round(frame * rate) for frame in sorted(ends) if 0 < round(frame * rate) < high - low]
+    return np.array(sorted(set(out)), dtype=np.intp)
+
+
+def _at_states(
+    graph: MotionGraph, steps: Sequence[Step], begins: Array, ends: Array, strand: int, near: float
+) -> tuple[list[str], list[str]]:
+    """The states in which paths begin and end, "" for none; places in one recording's own frames, of paths of one strand.
+
+    A path begins in a state if of all seams its own lies nearest to where the state is passed, and not farther than ``near``
+    frames away; or if it lies within a stay.
+    """
+    passed: list[tuple[float, float, int]] = []
+    for number, step in enumerate(steps):
+        if step.path is None:
+            assert step.state is not None
+            passed.append((step.start, step.end, step.state))
+            continue
+        path = graph.path(step.path)
+        first, last = (path.to, path.from_) if step.reversed else (path.from_, path.to)
+        # a step that the recording cuts off at its beginning or end reaches no state there
+        if step.complete or number > 0:
+            passed.append((step.start, step.start, first))
+        if step.complete or number < len(steps) - 1:
+            passed.append((step.end, step.end, last))
+    seams = np.unique(np.concatenate([begins, ends]))
+    named: dict[float, str] = {}
+    for low, high, state in passed:
+        image = graph.mirror_state(state) if MIRRORED_STRANDS[strand] else state
+        assert image is not None, "a racemic graph has every mirror image"
+        away = np.maximum(np.maximum(low - seams, seams - high), 0.0)
+        for seam in seams[(away <= min(float(away.min()), near))].tolist():
+            named[seam] = graph.state(image).label
+    return [named.get(at, "") for at in begins.tolist()], [named.get(at, "") for at in ends.tolist()]
 
 
 class _Stretch(Protocol):

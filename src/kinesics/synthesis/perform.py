@@ -11,7 +11,7 @@ import math
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -31,6 +31,8 @@ from kinesics.synthesis.rendering import Performance, Provenance, render
 from kinesics.synthesis.repertoire import repertoire
 
 if TYPE_CHECKING:
+    from kinesics.analysis.facts import Phrase
+    from kinesics.grammar.graph import MotionGraph
     from kinesics.synthesis.goals import Feature, Goal
 
 SECONDS: Final = 20.0
@@ -43,6 +45,8 @@ SETTLING: Final = 10.0
 """Seconds allowed besides, to turn round and to come to a stand."""
 STAYING: Final = 0.05
 """Metres a second: recordings that never get about faster stay in place."""
+ATTEMPTS: Final = 8
+"""Ways drawn at most, one after the other, until one leads to the target or along the route."""
 FAVOURED: Final = 1.0
 """Weight of a favoured kind of movement beside the goal."""
 FRESH: Final = 0.05
@@ -87,7 +91,8 @@ def perform(
     goal : a goal, or several, of `kinesics.synthesis.goals`, or a feature of your own, in place of target and route.
     seconds : how long. With a goal at most, for it ends when that is attained. Without: 20, or what the goal may take.
     linger : with a goal, go on to the end of ``seconds``.
-    seed : of all that is drawn; the same recordings and numbers give the same movement.
+    seed : of all that is drawn; the same recordings and numbers give the same movement. Where the first way drawn does not lead
+        to the target or along the route, up to seven others are drawn and the best is performed.
     beta : how strictly the goal decides, from a stroll (0) to a beeline (infinite).
     bend : by how much the way may be bent towards the goal, degrees a metre.
     mirrored : whether mirror images of the recordings may be performed.
@@ -158,30 +163,44 @@ def performance(
     given = _given(motions, mapping)
     progress(0.0, "bringing the recordings together")
     stock = repertoire(given, skeleton=skeleton, fps=fps, mirrored=mirrored, backwards=backwards)
+    grammar = _grammar(given, wish, stock.names, progress)
+    seams = () if grammar is None or wish.from_state is None else networks.state_seams(stock, grammar.graph)
     with warnings.catch_warnings():
         # what was pruned is told in the result
         warnings.simplefilter("ignore", UserWarning)
         net = networks.network(
-            stock, threshold=threshold, progress=lambda f, message="": progress(0.1 + 0.4 * f, message)
+            stock,
+            threshold=threshold,
+            seams=seams,
+            progress=lambda f, message="": progress(0.2 + 0.4 * f, message),
         )
-    progress(0.5, "reading the grammar" if wish.needs_words(net) else "looking ahead")
-    net = _labelled(net, given, wish)
+    if grammar is not None:
+        net = networks.labelled(net, grammar.graph, grammar.phrases, at_states=True)
     start = _start(net, wish, seed)
     progress(0.6, "looking ahead")
     ahead = prospects(net)
     most = _most_seconds(wish, ahead, seconds)
     progress(0.75, "choosing the way")
-    course = perform_paths(
-        net,
-        wish.goals(),
-        most,
-        seed,
-        finish=wish.ends and not linger,
-        beta=beta,
-        bend=bend,
-        start=start,
-        prepared=ahead,
-    )
+    attempts = ATTEMPTS if wish.may_try_again(most, _pace(ahead)) else 1
+    best: Course | None = None
+    for attempt in range(attempts):
+        course = perform_paths(
+            net,
+            wish.goals(),
+            most,
+            seed if attempt == 0 else np.random.default_rng([seed, attempt]),
+            finish=wish.ends and not linger,
+            beta=beta,
+            bend=bend,
+            start=start,
+            prepared=ahead,
+        )
+        if best is None or course.attained or wish.miss(course) < wish.miss(best):
+            best = course
+        if course.attained:
+            break
+    assert best is not None
+    course = best
     progress(0.85, "performing")
     ways = trails(net)
     walked = ways.travelled[ways.start + net.length][course.paths]
@@ -266,9 +285,19 @@ class _Wish:
             return self.route.length + math.hypot(x, z)
         return 0.0
 
-    def needs_words(self, net: Network) -> bool:
-        """Whether the grammar has to be read."""
-        return self.from_state is not None or (self.favour is not None and self.favour not in net.repertoire.names)
+    def may_try_again(self, seconds: float, pace: float) -> bool:
+        """Whether, where the first draw does not lead there, another may."""
+        return (self.target is not None or self.route is not None) and self.metres <= seconds * pace
+
+    def miss(self, course: Course) -> float:
+        """Metres from target or end of the route at best."""
+        if self.target is not None:
+            place = np.asarray(self.target.position)
+        elif self.route is not None:
+            place = np.asarray(self.route.points)[-1]
+        else:
+            return 0.0
+        return float(np.hypot(*(course.ground - place).T).min())
 
     def goals(self) -> list[Goal | Feature]:
         """For the controller; something new all the time, where nothing is wished for."""
@@ -324,18 +353,25 @@ def _whole(seed: object) -> int:
     return int(number)
 
 
-def _labelled(net: Network, motions: Sequence[Motion], wish: _Wish) -> Network:
-    """With the grammar's words, where they are asked for."""
-    if not wish.needs_words(net):
-        return net
-    if wish.favour is None:
+class _Grammar(NamedTuple):
+    graph: MotionGraph
+    phrases: Sequence[Phrase]
+
+
+def _grammar(motions: Sequence[Motion], wish: _Wish, names: Sequence[str], progress: Progress) -> _Grammar | None:
+    """What the recordings say of states, paths and classes; None where nobody asks."""
+    if wish.favour is not None and wish.favour not in names:
+        from kinesics.analysis import analyze
+
+        progress(0.1, "reading the grammar")
+        read = analyze(motions)
+        return _Grammar(read.graph, read.phrases)
+    if wish.from_state is not None:
         from kinesics.analysis import joint
 
-        return networks.labelled(net, joint.graph(motions), at_states=True)
-    from kinesics.analysis import analyze
-
-    read = analyze(motions)
-    return networks.labelled(net, read.graph, read.phrases, at_states=True)
+        progress(0.1, "reading the grammar")
+        return _Grammar(joint.graph(motions), ())
+    return None
 
 
 def _start(net: Network, wish: _Wish, seed: int) -> int | None:

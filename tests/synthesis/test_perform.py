@@ -1,0 +1,339 @@
+"""From recordings to a new movement in one call, and what is told of how it came about."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import numpy as np
+import pytest
+
+import kinesics as kx
+from kinesics.formats import read_extras
+from kinesics.report.performances import performance_schema
+from kinesics.synthesis import goals
+from kinesics.synthesis.piece import Piece
+
+
+@pytest.fixture(scope="module")
+def walks() -> list[kx.Motion]:
+    """A straight walk and one in a circle to the left."""
+    return [
+        kx.performer.walk(seconds=8, fps=30).motion.replace(name="straight"),
+        kx.performer.walk(seconds=16, fps=30, route="circle").motion.replace(name="circle"),
+    ]
+
+
+@pytest.fixture(scope="module")
+def piece(walks: list[kx.Motion]) -> Piece:
+    """A walk to a target."""
+    return kx.performance(walks, target=(2.0, 4.0), seed=3)
+
+
+def test_perform_is_a_motion_that_comes_to_the_target(walks: list[kx.Motion]) -> None:
+    """The public call: target is x, z in metres from where it starts."""
+    new = kx.perform(walks, target=(3.0, 2.0), seconds=20, seed=1)
+    assert isinstance(new, kx.Motion)
+    assert new.fps == 30
+    assert new.duration <= 20
+    ground = new.root_positions[:, [0, 2]]
+    assert np.abs(ground[0]).max() < 0.02  # the body leans with its feet
+    assert np.hypot(*(ground - [3.0, 2.0]).T).min() <= 0.5
+    assert new.warnings == ()
+
+
+def test_it_starts_facing_ahead(walks: list[kx.Motion]) -> None:
+    """Heading 0 at the first frame, wherever it was recorded."""
+    first = kx.poses(kx.perform(walks, seconds=2, seed=5)[0])
+    assert abs(float(first.yaw[0])) < 0.1
+
+
+def test_the_same_seed_gives_the_same_movement(walks: list[kx.Motion]) -> None:
+    """To the last bit; another seed another."""
+    first, again, other = (kx.perform(walks, seconds=4, seed=seed) for seed in (7, 7, 8))
+    assert np.array_equal(first.rotations, again.rotations)
+    assert np.array_equal(first.root_positions, again.root_positions)
+    assert first.root_positions.shape != other.root_positions.shape or not np.array_equal(
+        first.root_positions, other.root_positions
+    )
+
+
+def test_one_motion_alone_will_do(walks: list[kx.Motion]) -> None:
+    """Not in a list; without a goal exactly as long as asked for."""
+    assert kx.perform(walks[0], seconds=3.0).frame_count == 90
+
+
+def test_without_a_goal_little_is_repeated(walks: list[kx.Motion]) -> None:
+    """On and on: far more of the recordings is used than in as long a stretch of the straight walk's two steps."""
+    new = kx.performance(walks, seconds=12, seed=2)
+    assert new.course.most_plays <= 2
+    assert len(np.unique(new.provenance.moment)) > 0.7 * new.motion.frame_count
+
+
+def test_what_was_chosen_is_stated(walks: list[kx.Motion]) -> None:
+    """Skeleton, rate, threshold, what was pruned, seed and version."""
+    said = " | ".join(kx.perform(walks, seconds=2, seed=4, fps=25).assumptions)
+    for words in (
+        "performed at 25 frames a second",
+        "performed on the skeleton of straight",
+        "circle: resampled from 30 to 25",
+        "transitions up to a mean D of",
+        "not used: straight",
+        "seed 4",
+        kx.__version__,
+    ):
+        assert words in said
+
+
+def test_spans_tile_the_performance_and_name_the_source_frames(piece: Piece) -> None:
+    """Every frame away from transitions has the very pose of the source frame named, mirrored where it says so."""
+    bounds = [(s.start, s.end) for s in piece.spans]
+    assert bounds[0][0] == 0
+    assert bounds[-1][1] == piece.motion.frame_count
+    assert all(a[1] == b[0] for a, b in itertools.pairwise(bounds))
+    new = kx.poses(piece.motion)
+    for span in piece.spans:
+        steady = [k for k in range(span.start, span.end) if piece.provenance.weight[k] == 1.0]
+        assert span.source_end - span.source_start == pytest.approx(span.end - span.start)
+        for k in steady:
+            source = round(span.source_start) + k - span.start
+            assert piece.provenance.source_frame[k] == source
+        if steady:
+            mirrored = bool(piece.provenance.mirrored[steady[0]])
+            assert mirrored == span.mirrored
+    d = (kx.distance, kx.mirror_distance)
+    walks = [
+        kx.performer.walk(seconds=8, fps=30).motion,
+        kx.performer.walk(seconds=16, fps=30, route="circle").motion,
+    ]
+    shown = 0
+    for span in piece.spans:
+        for k in range(span.start, span.end):
+            if piece.provenance.weight[k] < 1.0:
+                continue
+            source = kx.poses(walks[span.source])[int(piece.provenance.source_frame[k])]
+            # legs are moved a little so that the feet stay where they are
+            assert float(d[span.mirrored](new[k : k + 1], source)[0, 0]) < piece.network.threshold
+            shown += 1
+    assert shown > 10
+
+
+def test_crossings_are_transitions_of_the_network(piece: Piece) -> None:
+    """One at every seam, none above the threshold; those that mirror change the strand."""
+    assert [c.frame for c in piece.crossings] == [s.start for s in piece.spans[1:]]
+    assert all(0.0 < c.distance <= piece.network.threshold for c in piece.crossings)
+    for (before, after), crossing in zip(itertools.pairwise(piece.spans), piece.crossings, strict=True):
+        assert crossing.mirrors == (before.mirrored != after.mirrored)
+        assert (crossing.from_source, crossing.to_source) == (before.source, after.source)
+
+
+def test_the_facts_satisfy_their_schema(piece: Piece, walks: list[kx.Motion]) -> None:
+    """Of a target, of a route, of nothing."""
+    jsonschema.Draft202012Validator.check_schema(performance_schema())
+    for made in (piece, kx.performance(walks, route=[(0, 0), (1, 4)], seconds=6), kx.performance(walks, seconds=1)):
+        jsonschema.validate(made.to_dict(), performance_schema())
+    facts = piece.to_dict()
+    assert facts["goal"]["nearest_m"] <= 0.5
+    assert facts["sources"][1]["name"] == "circle"
+    assert facts["parameters"]["seed"] == 3
+
+
+def test_a_route_is_followed(walks: list[kx.Motion]) -> None:
+    """To its end, and not far beside it."""
+    made = kx.performance(walks, route=[(0, 0), (0, 3), (1, 6), (3, 8)], seed=1)
+    assert made.attained
+    assert made.aside is not None
+    assert made.aside < 0.3
+    assert np.hypot(*(made.trail[-1] - [3, 8])) < 1.0
+
+
+def test_from_state_to_state_begins_and_ends_there(walks: list[kx.Motion]) -> None:
+    """The words of `kx.graph`: from a moment at which the one is passed to a moment at which the other is, mirrored or not."""
+    made = kx.performance(walks[0], from_state="A", to_state="A*")
+    assert made.attained
+    graph = kx.graph(walks[0]).racemic()
+    passed: dict[str, set[int]] = {"A": set(), "A*": set()}
+    for step in graph.timeline(0):
+        assert step.path is not None
+        path = graph.path(step.path)
+        ends = (path.from_, path.to) if not step.reversed else (path.to, path.from_)
+        if step.start > 0:
+            passed[graph.state(ends[0]).label].add(step.start)
+        if step.complete:
+            passed[graph.state(ends[1]).label].add(step.end)
+    image = {"A": "A*", "A*": "A"}
+    first, last = made.spans[0], made.spans[-1]
+    assert first.source_start in passed[image["A"] if first.mirrored else "A"]
+    assert last.source_end in passed[image["A*"] if last.mirrored else "A*"]
+    assert kx.performance(walks[0], from_state="A", seconds=2).spans[0].source_start in passed["A"] | passed["A*"]
+
+
+def test_a_recording_is_favoured(walks: list[kx.Motion]) -> None:
+    """By its name, without reading the grammar; more than half of it then comes from there."""
+    for number, name in enumerate(("straight", "circle")):
+        made = kx.performance(walks, favour=name, seconds=10)
+        assert (made.provenance.recording == number).mean() > 0.5
+
+
+def test_a_class_is_favoured() -> None:
+    """The grammar's word for a kind of movement."""
+    made = kx.performance(kx.performer.walk(seconds=6, fps=30).motion, favour="cyclic-antiphase", seconds=3)
+    assert set(made.network.class_) >= {"cyclic-antiphase"}
+    assert made.motion.duration == 3.0
+
+
+def test_goals_of_ones_own(walks: list[kx.Motion]) -> None:
+    """Any goal of the controller, also several."""
+    made = kx.performance(walks, goal=[goals.Heading(1.5), goals.Speed(1.3)], seconds=8)
+    assert abs(np.median(kx.poses(made.motion).yaw[-60:]) - 1.5) < 0.5
+    assert "Heading" in made.to_dict()["parameters"]["goal"][0]
+
+
+def test_lingering_fills_the_time(walks: list[kx.Motion]) -> None:
+    """With a goal it ends when that is attained, unless it is to linger."""
+    ended = kx.perform(walks, target=(0, 2), seconds=8)
+    stayed = kx.perform(walks, target=(0, 2), seconds=8, linger=True)
+    assert ended.duration < 6
+    assert stayed.duration == pytest.approx(8)
+
+
+def test_without_mirror_images_none_is_played(walks: list[kx.Motion]) -> None:
+    """And backwards only on request."""
+    made = kx.performance(walks, seconds=5, mirrored=False)
+    assert made.mirrored_share == 0
+    assert made.backwards_share == 0
+    still = kx.performance(kx.performer.jumping_jacks(seconds=6, fps=30).motion, seconds=8, backwards=True, seed=1)
+    assert still.backwards_share > 0
+
+
+def test_the_body_can_be_chosen(walks: list[kx.Motion]) -> None:
+    """The skeleton of the result."""
+    body = kx.mirror(kx.performer.walk(seconds=3, fps=30, body=1.5).motion).skeleton
+    new = kx.perform(walks, seconds=2, skeleton=body)
+    assert np.array_equal(new.skeleton.offsets, body.offsets)
+
+
+@pytest.mark.parametrize("suffix", [".bvh", ".amc", ".glb", ".npz"])
+def test_every_format_gives_it_back(piece: Piece, tmp_path: Path, suffix: str) -> None:
+    """Written and read: the same movement, and it can be analysed as a recording."""
+    path = tmp_path / f"new{suffix}"
+    kx.write(piece.motion, path, extras=piece.extras() if suffix == ".npz" else None)
+    again = kx.read(path)
+    assert again.frame_count == piece.motion.frame_count
+    assert again.fps == pytest.approx(30)
+    common = [n for n in piece.motion.skeleton.joint_names if n in again.skeleton.joint_names]
+    assert len(common) >= 15
+    here, there = (m.positions()[:, [m.skeleton.find(n) for n in common]] for m in (piece.motion, again))
+    assert np.abs(here - there).max() < 1e-4
+    if suffix == ".npz":
+        assert np.array_equal(read_extras(path)["provenance_source_frame"], piece.provenance.source_frame)
+
+
+def test_what_was_performed_can_be_analysed_and_performed_from(walks: list[kx.Motion]) -> None:
+    """A performance is a recording like any other: a walk reads as a walk, and gives new ones."""
+    new = kx.perform(walks, route=[(0, 0), (0, 8)], seed=1)
+    assert kx.analyze(new).overall.class_ == "cyclic-antiphase"
+    assert kx.perform([new, walks[1]], seconds=3).duration == 3.0
+
+
+def test_differing_rates_and_bodies_are_brought_together() -> None:
+    """A tall body at 60 frames a second and a small one at 40; said in the assumptions."""
+    motions = [
+        kx.performer.walk(seconds=6, fps=60, body=1.9).motion.replace(name="tall"),
+        kx.performer.walk(seconds=6, fps=40, body=1.5, seed=2).motion.replace(name="small"),
+    ]
+    made = kx.performance(motions, seconds=6, seed=1)
+    assert made.motion.fps == 60
+    said = " | ".join(made.motion.assumptions)
+    assert "small: resampled from 40 to 60" in said
+    assert "small: places scaled" in said
+    for span in made.spans:
+        rate = motions[span.source].fps / 60
+        assert span.source_end - span.source_start == pytest.approx((span.end - span.start) * rate, abs=1.01)
+
+
+def _standing() -> kx.Motion:
+    return kx.performer.stand(fps=30).motion
+
+
+@pytest.mark.parametrize(
+    ("motions", "how", "says"),
+    [
+        (list, {}, "without recordings"),
+        (lambda: [1], {}, "got int as number 1"),
+        (lambda: kx.performer.walk(seconds=3, fps=30).motion[3], {}, "single pose"),
+        (_standing, {}, "holds one pose"),
+        (lambda: kx.performer.throw(fps=30).motion, {}, "without end"),
+        (lambda: kx.performer.jumping_jacks(seconds=5, fps=30).motion, {"target": (3, 0)}, "stay in place"),
+        (lambda: kx.performer.jumping_jacks(seconds=5, fps=30).motion, {"route": [(0, 0), (0, 3)]}, "no route"),
+        (_standing, {"target": (3, 0), "route": [(0, 0), (1, 1)]}, "target and route"),
+        (_standing, {"to_state": "A"}, "from_state"),
+        (_standing, {"target": (1e9, 0)}, "within 10000 m"),
+        (_standing, {"target": 3}, "x and z"),
+        (_standing, {"target": (float("nan"), 0)}, "finite"),
+        (_standing, {"route": [(0, 0)]}, "at least 2"),
+        (_standing, {"seconds": 0}, "seconds"),
+        (_standing, {"seconds": float("nan")}, "seconds"),
+        (_standing, {"seed": 1.5}, "seed"),
+        (_standing, {"seed": -1}, "seed"),
+        (_standing, {"fps": 0}, "fps"),
+    ],
+)
+def test_what_cannot_be_is_refused_in_words(motions: Callable[[], Any], how: dict[str, Any], says: str) -> None:
+    """Which argument or recording, what was expected."""
+    with pytest.raises(kx.InputError, match=says):
+        kx.perform(motions(), **how)
+
+
+def test_an_unknown_state_is_answered_with_those_there_are(walks: list[kx.Motion]) -> None:
+    """And a word that is nearly one with what it may have meant."""
+    with pytest.raises(kx.InputError, match=r"There are: A, A\*"):
+        kx.perform(walks[0], from_state="A", to_state="Q")
+    with pytest.raises(kx.InputError, match="Did you mean cyclic-antiphase"):
+        kx.perform(walks[0], favour="cyclic-antiphas")
+
+
+def test_a_target_that_was_not_reached_is_told_with_advice(walks: list[kx.Motion]) -> None:
+    """Too far for the time; and behind somebody who only ever went straight on."""
+    far = kx.perform(walks, target=(0, 40), seconds=5)
+    assert "came within" in far.warnings[0]
+    assert "give more seconds" in far.warnings[0]
+    behind = kx.performance(walks[0], target=(0, -4), seconds=10, bend=0)
+    assert not behind.attained
+    assert "turn more" in behind.motion.warnings[0]
+
+
+def test_a_recording_that_nothing_leads_to_is_named(walks: list[kx.Motion]) -> None:
+    """Unconnected clips: the larger part is performed, and the other one told."""
+    jacks = kx.performer.jumping_jacks(seconds=4, fps=30).motion.replace(name="jacks")
+    made = kx.performance([walks[0], jacks], seconds=3)
+    assert any("nothing is performed of jacks" in line for line in made.motion.warnings)
+    assert any(p.recording == "jacks" and p.everything for p in made.pruned)
+
+
+def test_work_can_be_stopped_and_reports_rising_shares(walks: list[kx.Motion]) -> None:
+    """Progress goes from 0 to 1 and never falls; what it raises comes through."""
+    told: list[float] = []
+    kx.perform(walks[0], seconds=1, progress=lambda share, message="": told.append(share))
+    assert told[0] == 0.0
+    assert told[-1] == 1.0
+    assert told == sorted(told)
+
+    def stop(share: float, message: str = "") -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        kx.perform(walks[0], seconds=1, progress=stop)
+
+
+def test_real_walks_come_to_their_target(shared_data: Path) -> None:
+    """CMU walks of four people, one skeleton."""
+    clips = [kx.read(shared_data / "cmu" / n[:2] / f"{n}.amc") for n in ("91_01", "91_34", "07_01", "35_01")]
+    made = kx.performance(clips, target=(-3.0, -2.0), fps=30.0, seed=1)
+    assert made.attained
+    assert made.nearest is not None
+    assert made.nearest <= 0.5
+    assert all(facts.sha256 for facts in made.sources)
