@@ -172,7 +172,7 @@ def performance(
             stock,
             threshold=threshold,
             seams=seams,
-            progress=lambda f, message="": progress(0.2 + 0.4 * f, message),
+            progress=lambda f, message="": progress(0.2 + 0.39 * f, message),
         )
     if grammar is not None:
         net = networks.labelled(net, grammar.graph, grammar.phrases, at_states=True)

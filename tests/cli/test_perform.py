@@ -1,0 +1,255 @@
+"""``kinesics perform``: what it leaves, what it says, and what it refuses."""
+
+from __future__ import annotations
+
+import json
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+
+import jsonschema
+import pytest
+
+import kinesics as kx
+from kinesics.cli import terminal
+from kinesics.report.performances import performance_schema
+
+from .conftest import Kinesics
+
+
+def files(folder: Path) -> set[str]:
+    return {p.relative_to(folder).as_posix() for p in folder.rglob("*") if p.is_file()}
+
+
+@pytest.fixture(scope="session")
+def circle(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A walk in a circle as a BVH."""
+    path = tmp_path_factory.mktemp("recordings") / "circle.bvh"
+    kx.write(kx.performer.walk(seconds=8, fps=30, route="circle").motion, path)
+    return path
+
+
+def test_help_fits_a_terminal_and_shows_examples(kinesics: Kinesics) -> None:
+    """80 columns, with examples."""
+    got = kinesics("perform", "--help")
+    assert got.code == 0
+    assert max(len(line) for line in got.out.splitlines()) <= 80
+    assert "kinesics perform" in got.out.split("Examples")[1]
+
+
+@pytest.mark.parametrize("suffix", ["bvh", "amc", "glb", "npz"])
+def test_it_leaves_the_movement_its_provenance_and_a_picture(
+    kinesics: Kinesics, walk: Path, circle: Path, tmp_path: Path, suffix: str
+) -> None:
+    """Three files (an .amc has its .asf), named on stdout; what was reached is said in words."""
+    got = kinesics("perform", walk, circle, "--out", f"new.{suffix}", "--target", "2,3", "--seed", "1")
+    assert got.code == 0, got.err
+    more = {"new.asf"} if suffix == "amc" else set()
+    assert files(tmp_path) == {f"new.{suffix}", "new.provenance.json", "new.png"} | more
+    assert "target 2 m to the left, 3 m ahead: came within 0." in got.out
+    assert "reached (2.00, 3.00)" in got.out
+    assert "mirrored" in got.out
+    assert got.out.splitlines()[-3:] == [
+        f"Movement: new.{suffix}",
+        "Where it comes from: new.provenance.json",
+        "Picture: new.png",
+    ]
+    facts = json.loads((tmp_path / "new.provenance.json").read_text(encoding="utf-8"))
+    jsonschema.validate(facts, performance_schema())
+    assert [s["name"] for s in facts["sources"]] == ["walk.bvh", "circle.bvh"]
+    assert facts["sources"][0]["sha256"] == kx.read(walk).source.sha256
+    assert facts["parameters"]["target"] == [2.0, 3.0]
+    assert kx.read(tmp_path / f"new.{suffix}").frame_count == facts["output"]["frames"]
+    assert (tmp_path / "new.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_same_call_leaves_the_same_bytes(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
+    """Nothing depends on the day or the folder."""
+    made = []
+    for name in ("a", "b"):
+        assert kinesics("perform", walk, "--out", f"{name}.bvh", "--seconds", "2", "--seed", "3").code == 0
+        made.append([(tmp_path / f"{name}{end}").read_bytes() for end in (".bvh", ".provenance.json", ".png")])
+    assert made[0] == made[1]
+
+
+def test_json_is_alone_on_stdout_and_needs_no_out(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
+    """Files only with --out, and then their names go to stderr."""
+    got = kinesics("perform", walk, "--json", "--seconds", "2")
+    assert got.json()["output"]["duration_s"] == 2.0
+    assert files(tmp_path) == set()
+    got = kinesics("perform", walk, "--json", "--seconds", "2", "--out", "new.bvh")
+    assert got.json()["goal"]["attained"] is False
+    assert "Movement: new.bvh" in got.err
+    assert "new.bvh" in files(tmp_path)
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t", "  "])
+@pytest.mark.parametrize("heading", ["", "x,z\n", "\ufeff# metres\n\n"])
+def test_a_route_is_read_from_a_table(
+    kinesics: Kinesics, walk: Path, tmp_path: Path, separator: str, heading: str
+) -> None:
+    """Whatever stands between the numbers; a heading or remarks may stand above."""
+    rows = "".join(f"{x}{separator}{z}\n" for x, z in ((0, 0), (0, 1.5), (0.2, 3)))
+    (tmp_path / "route.csv").write_text(heading + rows, encoding="utf-8")
+    got = kinesics("perform", walk, "--route", "route.csv", "--json", "--seconds", "4")
+    assert got.code == 0, got.err
+    assert got.json()["parameters"]["route"] == [[0.0, 0.0], [0.0, 1.5], [0.2, 3.0]]
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        (b"0,0\n1,abc\n", "route.csv, line 2"),
+        (b"x,z\n0,0\n\n1,2,3\n", "route.csv, line 4"),
+        (b"0,0\n0,inf\n", "line 2"),
+        (b"x,z\ny,w\n0,0\n0,1\n", "line 2"),
+        (b"0,0\n", "two corners or more, got 1"),
+        (b"", "two corners or more, got 0"),
+        (b"\xff\xfe0,0", "UTF-8"),
+        (b"1,1\n1,1\n", "one place"),
+    ],
+)
+def test_a_bad_route_is_refused_with_its_line(
+    kinesics: Kinesics, walk: Path, tmp_path: Path, content: bytes, says: str
+) -> None:
+    """Exit 2, which line, nothing written."""
+    (tmp_path / "route.csv").write_bytes(content)
+    got = kinesics("perform", walk, "--out", "new.bvh", "--route", "route.csv")
+    assert got.code == 2
+    assert says in got.err
+    assert "Traceback" not in got.err
+    assert files(tmp_path) == {"route.csv"}
+
+
+@pytest.mark.parametrize(
+    ("call", "says"),
+    [
+        (["--out", "new.mp4"], "`video`"),
+        (["--out", "new.webm"], ".bvh"),
+        (["--out", "new.xyz"], ".glb"),
+        (["--out", "new"], ".bvh"),
+        (["--out", "new.asf"], "new.amc"),
+        (["--out", "nowhere/new.bvh"], "does not exist"),
+        (["--out", "new.bvh", "--target", "3"], "X,Z"),
+        (["--out", "new.bvh", "--target", "a,b"], "a,b"),
+        (["--out", "new.bvh", "--target", "nan,1"], "finite"),
+        (["--out", "new.bvh", "--target", "1,1", "--route", "none.csv"], "none.csv"),
+        (["--out", "new.bvh", "--to", "A"], "--from"),
+        (["--out", "new.bvh", "--from", "Q", "--to", "A"], "There are: A, A*"),
+        (["--out", "new.bvh", "--favour", "wlak"], "Did you mean walk"),
+        (["--out", "new.bvh", "--seconds", "0"], "seconds"),
+        (["--out", "new.bvh", "--beta", "-1"], "beta"),
+        (["--out", "new.bvh", "--fps", "0"], "fps"),
+        (["--out", "new.bvh", "--skeleton-of", "none.bvh"], "none.bvh"),
+        (["--out", "new.bvh", "--threshold", "1e-12"], "larger `threshold`"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) else None,
+)
+def test_what_cannot_be_is_one_message(
+    kinesics: Kinesics, walk: Path, tmp_path: Path, call: list[str], says: str
+) -> None:
+    """Exit 2, what was expected, nothing written."""
+    got = kinesics("perform", walk, *call)
+    assert got.code == 2
+    assert says in got.err
+    assert got.out == ""
+    assert got.err.count("kinesics: ") == 1
+    assert "Traceback" not in got.err
+    assert files(tmp_path) == set()
+
+
+def test_without_out_or_json_it_asks_where_to(kinesics: Kinesics, walk: Path) -> None:
+    """A wrong call is 2."""
+    got = kinesics("perform", walk)
+    assert got.code == 2
+    assert "--out" in got.err
+
+
+def test_nothing_is_overwritten_unasked(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
+    """Neither the movement nor what lies beside it; the recording itself never."""
+    for name in ("new.bvh", "new.provenance.json", "new.png"):
+        (tmp_path / name).write_text("mine")
+        got = kinesics("perform", walk, "--out", "new.bvh", "--seconds", "1")
+        assert got.code == 2
+        assert name in got.err
+        assert "--overwrite" in got.err
+        assert files(tmp_path) == {name}
+        (tmp_path / name).unlink()
+    own = tmp_path / "own.bvh"
+    own.write_bytes(walk.read_bytes())
+    got = kinesics("perform", own, "--out", "own.bvh", "--overwrite")
+    assert got.code == 2
+    assert own.read_bytes() == walk.read_bytes()
+    for _ in range(2):
+        assert kinesics("perform", own, "--out", "new.bvh", "--seconds", "1", "--overwrite").code == 0
+
+
+def test_what_was_left_out_and_missed_is_said(kinesics: Kinesics, circle: Path, tmp_path: Path) -> None:
+    """Unconnected clips by name, other rates, a target that was not reached; all the same it is performed."""
+    kx.write(kx.performer.jumping_jacks(seconds=4, fps=60).motion, tmp_path / "jacks.bvh")
+    got = kinesics("perform", circle, "jacks.bvh", "--out", "new.bvh", "--target=-30,-2", "--seconds", "3")
+    assert got.code == 0
+    assert "nothing is performed of jacks" in got.out
+    assert "resampled to 30 frames a second: jacks.bvh" in got.out
+    assert "target 30 m to the right, 2 m behind" in got.out
+    assert "did not reach (-30.00, -2.00)" in got.out
+
+
+def test_the_body_of_another_recording(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
+    """--skeleton-of decides who moves, --fps how often."""
+    kx.write(kx.performer.walk(seconds=3, fps=30, body=1.4).motion, tmp_path / "small.bvh")
+    got = kinesics("perform", walk, "--out", "new.bvh", "--seconds", "2", "--skeleton-of", "small.bvh", "--fps", "24")
+    assert got.code == 0, got.err
+    new, small = kx.read(tmp_path / "new.bvh"), kx.read(tmp_path / "small.bvh")
+    assert new.fps == pytest.approx(24)
+    assert abs(new.skeleton.offsets - small.skeleton.offsets).max() < 1e-6
+
+
+@pytest.fixture
+def listening() -> Iterator[None]:
+    """Ctrl-C reaches this process, whoever started it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("listening")
+@pytest.mark.parametrize("after", [1, 3, 6, 9])
+def test_ctrl_c_is_130_and_leaves_nothing(
+    kinesics: Kinesics, walk: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, after: int
+) -> None:
+    """Stopped at any of the moments at which work reports."""
+    told: list[float] = []
+
+    def stop(_: terminal.Bar, fraction: float, message: str = "") -> None:
+        told.append(fraction)
+        if len(told) == after:
+            signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(terminal.Bar, "__call__", stop)
+    got = kinesics("perform", walk, "--out", "new.bvh", "--seconds", "1")
+    assert len(told) == after
+    assert got.code == 130
+    assert got.out == ""
+    assert "Traceback" not in got.err
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.usefixtures("listening")
+def test_ctrl_c_while_files_are_put_down_waits_until_all_are(
+    kinesics: Kinesics, walk: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A movement without its provenance would be half a result."""
+    from kinesics import formats
+
+    write = formats.write
+
+    def interrupted(*what: object, **how: object) -> tuple[str, ...]:
+        out = write(*what, **how)  # type: ignore[arg-type]
+        signal.raise_signal(signal.SIGINT)
+        return out
+
+    monkeypatch.setattr(formats, "write", interrupted)
+    got = kinesics("perform", walk, "--out", "new.bvh", "--seconds", "1")
+    assert got.code == 130
+    assert files(tmp_path) == {"new.bvh", "new.provenance.json", "new.png"}

@@ -1,0 +1,132 @@
+"""Pictures of performances: the trail on the floor, the contact sheet."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from matplotlib.collections import LineCollection
+from matplotlib.colors import to_hex
+from matplotlib.patches import Ellipse, Polygon, Rectangle
+
+import kinesics as kx
+from kinesics import plotting
+from kinesics.plotting.canvas import figure_bytes
+from kinesics.plotting.contact_sheet import CUT, MIRRORED
+from kinesics.plotting.scene import GOAL, TRAIL, Camera
+
+
+@pytest.fixture(scope="module")
+def walk() -> kx.Motion:
+    """Five seconds, on a curve."""
+    return kx.performer.walk(seconds=5, fps=30, route="circle").motion
+
+
+def test_the_camera_is_a_perspective() -> None:
+    """What is nearer is larger, parallel lines meet, and what lies at the centre keeps its measure."""
+    camera = Camera((0.0, 0.0, 0.0), 0.0, 0.0, 10.0)
+    assert np.allclose(camera.project(np.array([1.0, 2.0, 0.0])), [1.0, 2.0])
+    near, far = camera.project(np.array([[1.0, 0.0, 5.0], [1.0, 0.0, -10.0]]))
+    assert np.allclose(near, [2.0, 0.0])
+    assert np.allclose(far, [0.5, 0.0])
+    above = Camera((0.0, 0.0, 0.0), 0.0, np.pi / 2, 10.0)
+    # seen from above with +z before one: left is to the right of whoever looks the subject in the face
+    assert np.allclose(above.project(np.array([1.0, 0.0, 2.0])), [1.0, -2.0])
+    turned = Camera((0.0, 0.0, 0.0), np.pi / 2, 0.0, 10.0)
+    assert np.allclose(turned.project(np.array([0.0, 1.0, -1.0])), [1.0, 1.0])
+
+
+def test_the_trail_runs_over_the_picture_in_blue(walk: kx.Motion) -> None:
+    """A blue line of a point a frame, from left to right; with target and route in orange."""
+    ax = plotting.trail_plot(walk, target=(2.0, 3.0), route=[(0, 0), (0, 2), (2, 3)])
+    (trail,) = [line for line in ax.lines if line.get_color() == TRAIL and len(line.get_xdata()) == walk.frame_count]
+    across = np.asarray(trail.get_xdata())
+    assert across[-1] - across[0] > 2.0
+    assert [line for line in ax.lines if line.get_color() == GOAL and line.get_linestyle() == "--"]
+    discs = [p for p in ax.patches if isinstance(p, Polygon) and to_hex(p.get_facecolor()) == GOAL]
+    assert len(discs) == 2
+    assert figure_bytes(ax.figure, ".png").startswith(b"\x89PNG")
+
+
+def test_figures_stand_at_regular_times_where_there_is_room(walk: kx.Motion) -> None:
+    """One every second, and the last frame; none on another; all within the picture, on the trail."""
+    ax = plotting.trail_plot(walk, every=1.0)
+    heads = [a for a in ax.get_children() if isinstance(a, Ellipse)]
+    assert len(heads) == 6
+    assert "every 1 s" in ax.texts[0].get_text()
+    (low, high), (bottom, top) = ax.get_xlim(), ax.get_ylim()
+    for collection in ax.collections:
+        assert isinstance(collection, LineCollection)
+        points = np.concatenate(collection.get_segments())
+        assert points[:, 0].min() >= low
+        assert points[:, 0].max() <= high
+        assert points[:, 1].min() >= bottom
+        assert points[:, 1].max() <= top
+    standing = plotting.trail_plot(kx.performer.jumping_jacks(seconds=5, fps=30).motion)
+    assert len([a for a in standing.get_children() if isinstance(a, Ellipse)]) <= 2
+
+
+@pytest.mark.parametrize(
+    "how",
+    [
+        {"target": 3.0},
+        {"target": (1.0, np.nan)},
+        {"target": (1, 2, 3)},
+        {"target": "here"},
+        {"route": [1.0, 2.0]},
+        {"route": []},
+        {"every": 0.0},
+        {"radius": -1.0},
+    ],
+)
+def test_a_trail_of_nonsense_is_refused(walk: kx.Motion, how: dict[str, object]) -> None:
+    """The argument is named."""
+    with pytest.raises(kx.InputError, match=next(iter(how))):
+        plotting.trail_plot(walk, **how)  # type: ignore[arg-type]
+
+
+def test_a_single_frame_and_a_far_walk_have_a_picture() -> None:
+    """A dot; a floor of many tiles, without a fog of lines."""
+    walk = kx.performer.walk(seconds=3, fps=30).motion
+    assert figure_bytes(plotting.trail_plot(walk[0]).figure, ".png")
+    far = walk.replace(root_positions=walk.root_positions * [1.0, 1.0, 200.0])
+    ax = plotting.trail_plot(far)
+    floor = ax.collections[0]
+    assert isinstance(floor, LineCollection)
+    assert len(floor.get_segments()) < 120
+
+
+def test_a_contact_sheet_has_a_figure_a_step_and_its_marks(walk: kx.Motion) -> None:
+    """Rows of as many figures as asked for; a mark a transition; cyan as long as what is mirrored."""
+    ax = plotting.contact_sheet(walk, transitions=[30, 100], mirrored=[(30, 100)], every=0.5, across=4)
+    assert len([a for a in ax.get_children() if isinstance(a, Ellipse)]) == 10
+    assert [t.get_text() for t in ax.texts] == ["0 s", "2 s", "4 s"]
+    assert len([line for line in ax.lines if line.get_color() == CUT]) == 2
+    cyan = [line for line in ax.lines if line.get_color() == MIRRORED]
+    length = sum(float(np.ptp(line.get_xdata())) for line in cyan)
+    whole = sum(float(np.ptp(line.get_xdata())) for line in ax.lines if line not in cyan and line.get_color() != CUT)
+    assert length / whole == pytest.approx(70 / 150)
+    assert len([p for p in ax.patches if isinstance(p, Rectangle)]) == len(cyan)
+    assert "cyan: mirrored" in ax.get_title(loc="left")
+    assert figure_bytes(ax.figure, ".png").startswith(b"\x89PNG")
+
+
+def test_a_long_movement_has_at_most_four_rows() -> None:
+    """The step is chosen."""
+    motion = kx.performer.walk(seconds=60, fps=10).motion
+    assert len(plotting.contact_sheet(motion).texts) <= 4
+
+
+@pytest.mark.parametrize(
+    ("how", "says"),
+    [
+        ({"every": 0.0}, "every"),
+        ({"across": 0}, "across"),
+        ({"transitions": [151]}, "151"),
+        ({"mirrored": [(0, 400)]}, "400"),
+        ({"every": 0.001}, "larger `every`"),
+    ],
+)
+def test_a_sheet_of_nonsense_is_refused(walk: kx.Motion, how: dict[str, object], says: str) -> None:
+    """The argument is named."""
+    with pytest.raises(kx.InputError, match=says):
+        plotting.contact_sheet(walk, **how)  # type: ignore[arg-type]
