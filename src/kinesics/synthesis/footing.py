@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-SLIP: Final = 0.01
+SLIP: Final = 0.0005
 """m/s over the floor that weigh as much as the accelerations below."""
 HEIGHT: Final = 0.003
 """Metres above the floor that do."""
@@ -33,6 +33,8 @@ ASTRAY: Final = 0.04
 """Metres of a foot from its place beneath the body."""
 ADRIFT: Final = 0.1
 """Metres of the body over the floor from its place."""
+BOUND: Final = 0.003
+"""Metres of a foot from where a joint at the end of its range has it."""
 SINKING: Final = 0.02
 """Metres of the body's height."""
 _SHARE: Final = 0.25
@@ -82,7 +84,23 @@ class Footing(NamedTuple):
     """Shape (frames, 3)."""
 
 
-def footing(slid: Array, grip: Array, height: Array, press: Array, leg: Leg, usual: Usual, fps: float) -> Footing:
+class Bounds(NamedTuple):
+    """Where feet must be beneath the body, as far as legs reach and joints go."""
+
+    place: Array
+    """From where the recording has it, metres, shape (frames, 2, 3)."""
+    tolerance: Array
+    """Metres, shape (frames, 2): `ASTRAY` where nothing binds."""
+
+    @classmethod
+    def none(cls, frames: int) -> Bounds:
+        """Nothing binds."""
+        return cls(np.zeros((frames, 2, 3)), np.full((frames, 2), ASTRAY))
+
+
+def footing(
+    slid: Array, grip: Array, height: Array, press: Array, leg: Leg, usual: Usual, fps: float, bounds: Bounds
+) -> Footing:
     """Seek what is added to the places of feet and body.
 
     Parameters
@@ -113,11 +131,13 @@ def footing(slid: Array, grip: Array, height: Array, press: Array, leg: Leg, usu
         wanted[:, 3 * k + 1] -= weight * height[:, k]
         for axis in range(3):
             foot, body = 3 * k + axis, _BODY + axis
-            weight = 1.0 / ASTRAY**2
+            weight = 1.0 / np.square(bounds.tolerance[:, k])
             here[:, foot, foot] += weight
             here[:, body, body] += weight
             here[:, foot, body] -= weight
             here[:, body, foot] -= weight
+            wanted[:, foot] += weight * bounds.place[:, k, axis]
+            wanted[:, body] -= weight * bounds.place[:, k, axis]
     diagonal[:, _BODY:] += 1.0 / np.square([ADRIFT, SINKING, ADRIFT])
     bent = _accelerations(leg, usual) * fps**2
     square = np.einsum("fri,frj->fij", bent, bent)

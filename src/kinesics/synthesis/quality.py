@@ -181,7 +181,8 @@ def _yardstick(repertoire: Repertoire) -> _Yardstick:
             slides.append(slide)
             sunk = max(sunk, low)
     usual = (
-        _per_joint(np.linalg.norm(v[list(strands)][:, inner], axis=-1).reshape(-1, shape[2])) for v in (turnings, pushes)
+        _per_joint(np.linalg.norm(v[list(strands)][:, inner], axis=-1).reshape(-1, shape[2]))
+        for v in (turnings, pushes)
     )
     return _Yardstick(*usual, _Leaps(turnings, pushes), np.concatenate(slides), feet, sunk)
 

@@ -28,11 +28,12 @@ from numpy.typing import ArrayLike, NDArray
 from kinesics.body import contacts as _contacts
 from kinesics.body import kinematics
 from kinesics.body.contacts import Floor, Soles, runs
-from kinesics.body.limits import Capsules
+from kinesics.body.limits import Capsules, segment_distance
 from kinesics.body.motion import Motion
 from kinesics.errors import InputError
 from kinesics.geometry import quaternion
 from kinesics.synthesis import blending, footing, inverse_kinematics
+from kinesics.synthesis.footing import Bounds
 from kinesics.synthesis.inverse_kinematics import Legs
 from kinesics.synthesis.network import Network
 from kinesics.synthesis.repertoire import Repertoire
@@ -51,9 +52,9 @@ RELEASE: Final = 0.07
 """Seconds before and after a contact over which the foot is let go."""
 _MARGIN: Final = 0.25
 """Share of such times for which the foot is still held as if it bore: no rule tells the very frame of its lifting."""
-GRIP: Final = 0.06
+GRIP: Final = 0.03
 """Seconds in which a foot that comes down is held more and more firmly; in reverse as it is lifted."""
-GRIP_BEFORE: Final = 0.02
+GRIP_BEFORE: Final = 0.05
 """Seconds before and after a contact from which on it is."""
 LIFT: Final = 0.10
 """Seconds before and after a contact over which the sole comes down to the floor."""
@@ -69,8 +70,10 @@ SUNK: Final = 0.004
 """Metres below the floor that are let pass: a sole gives way."""
 TOLERATED: Final = 0.01
 """Metres that a foot stands beside its place in the recording which weigh as much as `GENTLE` in the air."""
-ANKLE_ROUNDS: Final = 4
-"""Most times that feet are planted, turned where their ankles were bent too far, and planted again."""
+ROUNDS: Final = 4
+"""Most times that feet are planted, joints put back that were bent too far, and planted again as far as these go."""
+_SHORT: Final = 0.001
+"""Metres by which a foot is off where it was planted before the body goes along."""
 FLESH: Final = 0.01
 """Metres that limbs may press deeper into each other than they do in the recordings: flesh gives way by twice as much, and
 radii are known no better (`kinesics.body.limits.DEPTH_TOLERANCE`)."""
@@ -590,42 +593,88 @@ class _Footed(NamedTuple):
 
 
 def _pin(stage: Stage, rotations: Array, roots: Array, standing: Mask) -> _Footed:
+    skeleton = stage.repertoire.skeleton
     held = np.stack([_held(standing[:, k], RELEASE * stage.repertoire.fps) for k in (0, 1)], axis=-1)
     feet = list(stage.legs.feet)
+    parents = [skeleton.parents[j] for j in feet]
+    joints = np.array([*stage.legs.femurs, *stage.legs.tibias, *feet])
     given = rotations
-    for _ in range(ANKLE_ROUNDS):
-        done = _planted(stage, given, roots, standing, held)
-        bent = done.rotations[:, feet].copy()
+    recorded = kinematics.positions(skeleton, rotations, roots)[:, feet] - roots[:, None]
+    bounds = Bounds.none(len(rotations))
+    for attempt in range(ROUNDS):
+        done = _planted(stage, given, roots, standing, held, bounds)
         within = done.rotations.copy()
-        _within_range(stage, within, np.array(feet))
-        if quaternion.angle(bent, within[:, feet]).max() < _NOTHING:
+        _within_range(stage, within, joints)
+        push = _apart(stage, within, done.roots)
+        settled = quaternion.angle(done.rotations[:, joints], within[:, joints]).max() < _NOTHING
+        if attempt == ROUNDS - 1 or (settled and not push.any()):
             break
         # an ankle that would be bent too far turns its foot; the foot is then planted as it is turned
-        parents = [stage.repertoire.skeleton.parents[j] for j in feet]
-        world = kinematics.global_rotations(stage.repertoire.skeleton, done.rotations)[:, parents]
-        own = kinematics.global_rotations(stage.repertoire.skeleton, given)[:, parents]
         given = given.copy()
-        given[:, feet] = quaternion.multiply(quaternion.conjugate(own), quaternion.multiply(world, within[:, feet]))
-    joints = np.array([*stage.legs.femurs, *stage.legs.tibias, *feet])
-    _within_range(stage, done.rotations, joints)
-    return _above_the_floor(stage, done)
+        world = kinematics.global_rotations(skeleton, done.rotations)[:, parents]
+        own = kinematics.global_rotations(skeleton, given)[:, parents]
+        turned = quaternion.angle(done.rotations[:, feet], within[:, feet]) > _NOTHING
+        new = quaternion.multiply(quaternion.conjugate(own), quaternion.multiply(world, within[:, feet]))
+        given[:, feet] = np.where(turned[..., None], new, given[:, feet])
+        # where the leg would go too far the body goes along instead
+        placed = within.copy()
+        placed[:, feet] = done.rotations[:, feet]
+        reached = kinematics.positions(skeleton, placed, done.roots)[:, feet] - done.roots[:, None]
+        asked = kinematics.positions(skeleton, done.rotations, done.roots)[:, feet] - done.roots[:, None]
+        bound = (np.linalg.norm(reached - asked, axis=-1) > _SHORT) | (np.abs(push).max(axis=-1) > _SHORT)
+        bounds = Bounds(
+            np.where(bound[..., None], reached + push - recorded, bounds.place),
+            np.where(bound, footing.BOUND, bounds.tolerance),
+        )
+    return _above_the_floor(stage, done._replace(rotations=within))
+
+
+def _apart(stage: Stage, rotations: Array, roots: Array) -> Array:
+    """By how much over the floor each foot is to move so that no leg is deeper in the other than ever: (frames, 2, 3)."""
+    capsules = stage.capsules
+    known = kinematics.forward(stage.repertoire.skeleton, rotations, roots)
+    over = capsules.depths(*known) - stage.deepest - 0.5 * FLESH
+    out = np.zeros((len(rotations), 2, 3))
+    if not (over > 0.5 * FLESH).any():
+        return out
+    starts, ends = capsules.ends(*known)
+    for n, (a, b) in enumerate(capsules.pairs):
+        first, second = capsules.names[a].split(), capsules.names[b].split()
+        deep = np.flatnonzero(over[:, n] > 0.0)
+        if not len(deep) or (first[0], second[0]) != ("left", "right") or {first[1], second[1]} - {"femur", "tibia"}:
+            continue
+        # the way apart is that in which the distance grows
+        ways = np.zeros((len(deep), 3))
+        for axis in (0, 2):
+            for sign in (1.0, -1.0):
+                shift = sign * _SHORT * np.eye(3)[axis]
+                ways[:, axis] += sign * segment_distance(
+                    starts[deep, a] + shift, ends[deep, a] + shift, starts[deep, b], ends[deep, b]
+                )
+        ways *= (over[deep, n] / np.maximum(np.linalg.norm(ways, axis=-1), 1e-9))[:, None]
+        for foot, sign in ((0, 1.0), (1, -1.0)):
+            stronger = np.linalg.norm(ways, axis=-1) > np.linalg.norm(out[deep, foot], axis=-1)
+            out[deep, foot] = np.where(stronger[:, None], sign * ways, out[deep, foot])
+    reach = max(1, round(YIELD * stage.repertoire.fps))
+    for foot in (0, 1):
+        for axis in (0, 2):
+            away = out[:, foot, axis]
+            out[:, foot, axis] = envelope(np.maximum(away, 0.0), reach) - envelope(np.maximum(-away, 0.0), reach)
+    return out
 
 
 def _above_the_floor(stage: Stage, footed: _Footed) -> _Footed:
-    """Feet that came below the floor as joints went back into their range are raised again."""
-    skeleton = stage.repertoire.skeleton
-    known = kinematics.forward(skeleton, footed.rotations, footed.roots)
-    sunk = -stage.soles.place(known.positions, known.rotations)[..., 1].min(axis=2) - SUNK
-    if sunk.max() <= SUNK:
+    """Where feet came below the floor as joints went back into their range, the body is raised."""
+    known = kinematics.forward(stage.repertoire.skeleton, footed.rotations, footed.roots)
+    sunk = -stage.soles.place(known.positions, known.rotations)[..., 1].min(axis=(1, 2)) - SUNK
+    if sunk.max() <= 0.0:
         return footed
-    targets = known.positions[:, list(stage.legs.feet)].copy()
-    for k in (0, 1):
-        targets[:, k, 1] += envelope(np.maximum(sunk[:, k], 0.0), max(1, round(SOFTLY * stage.repertoire.fps)))
-    done = inverse_kinematics.reach(skeleton, footed.rotations, footed.roots, targets, limbs=stage.legs, known=known)
-    return footed._replace(rotations=done.rotations)
+    roots = footed.roots.copy()
+    roots[:, 1] += envelope(np.maximum(sunk, 0.0), max(1, round(SOFTLY * stage.repertoire.fps)))
+    return footed._replace(roots=roots)
 
 
-def _planted(stage: Stage, rotations: Array, roots: Array, standing: Mask, held: Array) -> _Footed:
+def _planted(stage: Stage, rotations: Array, roots: Array, standing: Mask, held: Array, bounds: Bounds) -> _Footed:
     repertoire, legs = stage.repertoire, stage.legs
     skeleton, fps = repertoire.skeleton, repertoire.fps
     known = kinematics.forward(skeleton, rotations, roots)
@@ -645,6 +694,7 @@ def _planted(stage: Stage, rotations: Array, roots: Array, standing: Mask, held:
         footing.legs_of(hips, knees, ankles),
         stage.usual,
         fps,
+        bounds,
     )
     corrected, shift = found.feet, found.body
     reach = max(1, round(SOFTLY * fps))

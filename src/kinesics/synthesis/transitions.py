@@ -16,7 +16,7 @@ mirrored transitions, and those of reversed ones the reversed.
 - the velocity of the root over the ground and its turning, seen from the heading, and its height: by no more than nine tenths
   of all moving moments change within the time of a blend, see `Limits`;
 - the feet: none that stands where the other swings, unless it changes at the seam;
-- where they are beneath the body, seen from the heading: strides of unlike length cannot be told by D, which is in angles, but
+- where ankles and toes are beneath the body, seen from the heading: D is in angles and does not tell strides of unlike length, but
   a foot that stays where it bears must make up for the difference with its leg. By no more than `PLACE` of what all moving
   moments change within the time of a blend, 15 to 20 cm, a bearing foot by half as much;
 - and how fast they go there: by no more than `FOOT_VELOCITY` of what changes within that time.
@@ -49,6 +49,7 @@ from numpy.typing import NDArray
 
 from kinesics.analysis.stillness import EPSILON, JITTERS, sensor_jitter
 from kinesics.body import kinematics, pose
+from kinesics.body.skeleton import Skeleton
 from kinesics.errors import InputError
 from kinesics.geometry import quaternion
 from kinesics.progress import Progress, silent
@@ -300,10 +301,8 @@ class _Seams:
         standing = np.where(image[:, None], self.standing[b][:, ::-1], self.standing[b])
         strand = image.astype(np.intp)
         away = np.linalg.norm(self.place[0, a] - self.place[strand, b], axis=-1)
-        bearing = np.minimum(self.standing[a], standing)
-        faster = np.linalg.norm(
-            self.foot_velocity[0, a] - time[:, None, None] * self.foot_velocity[strand, b], axis=-1
-        )
+        bearing = np.tile(np.minimum(self.standing[a], standing), 2)
+        faster = np.linalg.norm(self.foot_velocity[0, a] - time[:, None, None] * self.foot_velocity[strand, b], axis=-1)
         return {
             POSE: np.sqrt(pairs.distance / limits.distance),
             "velocity of the pose": pose_velocity,
@@ -332,29 +331,36 @@ def from_heading(vectors: Array, yaw: Array) -> Array:
 
 
 def feet_beneath(repertoire: Repertoire) -> Array:
-    """Ankles from the root, to the left, up, ahead as seen from the heading, metres, as recorded and mirrored.
+    """Ankles and toes from the root, to the left, up, ahead as seen from the heading, metres, as recorded and mirrored.
 
-    Shape (2, frames, 2, 3).
+    Shape (2, frames, 4, 3): left ankle, right ankle, left toes, right toes.
     """
     skeleton = repertoire.skeleton
-    assert skeleton.anatomy is not None
-    roles = skeleton.anatomy.roles
-    # a leg without an ankle is told by its knee
-    feet = [
-        getattr(roles, f"{side}_tibia") if getattr(roles, f"{side}_foot") is None else getattr(roles, f"{side}_foot")
-        for side in ("left", "right")
-    ]
     index = np.arange(repertoire.frame_count)
-    out = np.zeros((2, repertoire.frame_count, 2, 3))
+    out = np.zeros((2, repertoire.frame_count, 4, 3))
+    points = [_foot_points(skeleton, side) for side in ("left", "right")]
     for strand in (0, 1) if repertoire.mirrored else (0,):
         roots = repertoire.root_positions[strand]
-        known = kinematics.positions(skeleton, repertoire.rotations[strand], roots)
-        away = known[:, feet] - roots[:, None]
+        where, world = kinematics.forward(skeleton, repertoire.rotations[strand], roots)
         yaw = repertoire.yaw_of(repertoire.moments(index, strand))
-        for k in (0, 1):
-            out[strand, :, k][:, [0, 2]] = from_heading(away[:, k][:, [0, 2]], yaw)
-        out[strand, ..., 1] = away[..., 1]
+        for k, (ankle, offset) in enumerate(points):
+            tip = where[:, ankle] + quaternion.rotate(world[:, ankle], offset)
+            for row, place in ((k, where[:, ankle]), (k + 2, tip)):
+                away = place - roots
+                out[strand, :, row, [0, 2]] = from_heading(away[:, [0, 2]], yaw).T
+                out[strand, :, row, 1] = away[:, 1]
     return out
+
+
+def _foot_points(skeleton: Skeleton, side: str) -> tuple[int, Array]:
+    """The ankle, or the knee of a leg without one, and from there to what hangs on it farthest, in its own frame."""
+    assert skeleton.anatomy is not None
+    ankle = getattr(skeleton.anatomy.roles, f"{side}_foot")
+    if ankle is None:
+        ankle = getattr(skeleton.anatomy.roles, f"{side}_tibia")
+    ends = [skeleton.offsets[c] for c in skeleton.children[ankle]]
+    ends += [np.asarray(site.offset) for site in skeleton.end_sites if site.parent == ankle]
+    return ankle, max(ends, key=lambda v: float(np.linalg.norm(v)), default=np.zeros(3))
 
 
 def _limits(repertoire: Repertoire, threshold: float | None, weights: Array) -> Limits:
