@@ -45,8 +45,12 @@ SETTLING: Final = 10.0
 """Seconds allowed besides, to turn round and to come to a stand."""
 STAYING: Final = 0.05
 """Metres a second: recordings that never get about faster stay in place."""
-ATTEMPTS: Final = 8
-"""Ways drawn at most, one after the other, until one leads to the target or along the route."""
+NEAR: Final = goals.RADIUS - 0.12
+"""Metres from the target that the way is led to: where feet are kept in place the body may come to stand a little beside it."""
+SHARPER: Final = (1.0, 1.0, 2.0, 2.0, 2.0, 3.0, 3.0, 3.0)
+"""Ways drawn one after the other until one leads to the target or along the route, and how many times more each may be bent."""
+MOST_BEND: Final = 20.0
+"""Degrees a metre, to which the way may be bent on further attempts."""
 FAVOURED: Final = 1.0
 """Weight of a favoured kind of movement beside the goal."""
 FRESH: Final = 0.05
@@ -92,7 +96,8 @@ def perform(
     seconds : how long. With a goal at most, for it ends when that is attained. Without: 20, or what the goal may take.
     linger : with a goal, go on to the end of ``seconds``.
     seed : of all that is drawn; the same recordings and numbers give the same movement. Where the first way drawn does not lead
-        to the target or along the route, up to seven others are drawn and the best is performed.
+        to the target or along the route, up to seven others are drawn, which may be bent up to three times more; the best is
+        performed.
     beta : how strictly the goal decides, from a stroll (0) to a beeline (infinite).
     bend : by how much the way may be bent towards the goal, degrees a metre.
     mirrored : whether mirror images of the recordings may be performed.
@@ -181,9 +186,10 @@ def performance(
     ahead = prospects(net)
     most = _most_seconds(wish, ahead, seconds)
     progress(0.75, "choosing the way")
-    attempts = ATTEMPTS if wish.may_try_again(most, _pace(ahead)) else 1
-    best: Course | None = None
-    for attempt in range(attempts):
+    sharpness = SHARPER if wish.may_try_again(most, _pace(ahead)) else SHARPER[:1]
+    best: tuple[Course, float] | None = None
+    for attempt, sharper in enumerate(sharpness):
+        bent = min(sharper * bend, max(bend, MOST_BEND))
         course = perform_paths(
             net,
             wish.goals(),
@@ -191,20 +197,20 @@ def performance(
             seed if attempt == 0 else np.random.default_rng([seed, attempt]),
             finish=wish.ends and not linger,
             beta=beta,
-            bend=bend,
+            bend=bent,
             start=start,
             prepared=ahead,
         )
-        if best is None or course.attained or wish.miss(course) < wish.miss(best):
-            best = course
+        if best is None or course.attained or wish.miss(course) < wish.miss(best[0]):
+            best = course, bent
         if course.attained:
             break
     assert best is not None
-    course = best
+    course, bent = best
     progress(0.85, "performing")
     ways = trails(net)
     walked = ways.travelled[ways.start + net.length][course.paths]
-    done = _first(render(net, course.paths, bend=course.bends * walked), len(course.moments))
+    done = _from_the_origin(_first(render(net, course.paths, bend=course.bends * walked), len(course.moments)))
     parameters: dict[str, Any] = {
         **wish.plain(),
         "seconds": seconds,
@@ -218,8 +224,7 @@ def performance(
         "threshold": threshold,
     }
     motion = done.motion.replace(
-        assumptions=(*stock.assumptions, *_chosen(net, parameters)),
-        warnings=_doubts(net, wish, course, ahead, most, seconds),
+        assumptions=(*stock.assumptions, *_chosen(net, parameters, bent)),
     )
     facts = tuple(
         SourceFacts(
@@ -228,7 +233,9 @@ def performance(
         for m, name in zip(given, stock.names, strict=True)
     )
     progress(1.0, "performed")
-    return Piece(dataclasses.replace(done, motion=motion), course, net, facts, parameters)
+    piece = Piece(dataclasses.replace(done, motion=motion), course, net, facts, parameters)
+    motion = motion.replace(warnings=_doubts(piece, wish, ahead, most, seconds))
+    return dataclasses.replace(piece, performance=dataclasses.replace(done, motion=motion))
 
 
 @dataclass(frozen=True, eq=False)
@@ -262,7 +269,7 @@ class _Wish:
             )
         own: tuple[Any, ...] = () if goal is None else tuple(goal) if isinstance(goal, (list, tuple)) else (goal,)
         return cls(
-            None if target is None else goals.Target(target),  # type: ignore[arg-type]
+            None if target is None else goals.Target(target, radius=NEAR),  # type: ignore[arg-type]
             None if route is None else goals.Route(route),
             from_state,
             to_state,
@@ -423,28 +430,37 @@ def _first(done: Performance, frames: int) -> Performance:
     )
 
 
-def _chosen(net: Network, parameters: Mapping[str, Any]) -> tuple[str, ...]:
+def _from_the_origin(done: Performance) -> Performance:
+    """The same, begun at x = z = 0: where feet are kept in place the body leans a little, in the first frame too."""
+    x, _, z = done.motion.root_positions[0].tolist()
+    return dataclasses.replace(
+        done,
+        motion=done.motion.replace(root_positions=done.motion.root_positions - [x, 0.0, z]),
+        contacts=tuple(c._replace(place=(c.place[0] - x, c.place[1] - z)) for c in done.contacts),
+    )
+
+
+def _chosen(net: Network, parameters: Mapping[str, Any], bent: float) -> tuple[str, ...]:
     from kinesics import __version__
 
     return (
         f"transitions up to a mean D of {net.threshold:.3g} ({net.rule})",
         *(f"not used: {pruned}" for pruned in net.pruned),
-        f"chosen with seed {parameters['seed']}, beta {parameters['beta']}, bend {parameters['bend']:g} degrees a metre, "
-        f"by kinesics {__version__}",
+        f"chosen with seed {parameters['seed']}, beta {parameters['beta']}, bend {bent:g} degrees a metre"
+        + ("" if bent == parameters["bend"] else f", for {parameters['bend']:g} did not lead there")
+        + f", by kinesics {__version__}",
     )
 
 
-def _doubts(
-    net: Network, wish: _Wish, course: Course, ahead: Prospects, most: float, seconds: float | None
-) -> tuple[str, ...]:
+def _doubts(piece: Piece, wish: _Wish, ahead: Prospects, most: float, seconds: float | None) -> tuple[str, ...]:
     """What did not go as wished, and what helps."""
     out = [
         f"nothing is performed of {name}: no transition leads there and back again; recordings nearer to the others, longer "
         "ones or a larger threshold would join it"
-        for name in dict.fromkeys(p.recording for p in net.pruned if p.everything)
+        for name in dict.fromkeys(p.recording for p in piece.pruned if p.everything)
     ]
-    if wish.ends and not course.attained:
-        told = "; ".join(course.outcome) or "the goal was not attained"
+    if wish.ends and not piece.attained:
+        told = "; ".join(piece.outcome) or "the goal was not attained"
         pace = _pace(ahead)
         if wish.metres > most * pace:
             advice = (

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from kinesics.body.motion import Motion
 from kinesics.synthesis.controller import Course
+from kinesics.synthesis.goals import RADIUS
 from kinesics.synthesis.network import Network, Pruned
 from kinesics.synthesis.rendering import Performance, Provenance
 
@@ -97,13 +98,19 @@ class Piece:
 
     @property
     def attained(self) -> bool:
-        """Whether the goal was; False if there was none that could be."""
-        return self.course.attained
+        """Whether the goal was, a target by the movement as performed; False if there was none that could be."""
+        return self.course.attained if self.nearest is None else self.nearest <= RADIUS
 
     @property
     def outcome(self) -> tuple[str, ...]:
         """What came of the goal, in words."""
-        return self.course.outcome
+        if self.nearest is None:
+            return self.course.outcome
+        x, z = self.parameters["target"]
+        if not self.attained:
+            return (f"did not reach ({x:.2f}, {z:.2f}): came within {self.nearest:.2f} m",)
+        there = int(np.argmax(np.hypot(*(self.trail - [x, z]).T) <= RADIUS))
+        return (f"reached ({x:.2f}, {z:.2f}) after {there / self.motion.fps:.1f} s",)
 
     @property
     def pruned(self) -> tuple[Pruned, ...]:
