@@ -4,6 +4,7 @@
 - `report_page`: the page alone
 - `check_palette`: refuses a palette that the pictures cannot be drawn in
 - `schema`: the JSON Schema that every `analysis.json` satisfies
+- `kinesics.report.performances`: a new movement, where every frame comes from, and its picture
 """
 
 from __future__ import annotations
