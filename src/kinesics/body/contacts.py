@@ -125,6 +125,8 @@ class Contacts:
     """Height above the floor at which each point bears, metres, shape (2, 3)."""
     floor: Floor
     soles: Soles
+    slow: float
+    """Speed below which a point begins to bear, m/s."""
 
 
 def foot_contacts(motion: Motion, mapping: Mapping[str, object] | None = None) -> Mask:
@@ -205,6 +207,7 @@ def contacts(
     *,
     known: Soles | None = None,
     ground: Floor | None = None,
+    slow: float | None = None,
 ) -> Contacts:
     """When each point of the soles bears on the ground.
 
@@ -213,6 +216,7 @@ def contacts(
     mapping : as for `kinesics.body.anatomy.resolve`.
     known : the soles of this body, where another recording told them already.
     ground : the floor, where it is known.
+    slow : speed below which a point begins to bear, m/s, where another recording told it already.
 
     Raises
     ------
@@ -220,6 +224,8 @@ def contacts(
         As `foot_contacts`.
     """
     feet = _Feet.of(motion, mapping, ground)
+    if slow is not None:
+        feet = dataclasses.replace(feet, slow=slow)
     sole = feet.soles() if known is None else known
     places = sole.place(feet.positions, feet.rotations)
     speeds = _speeds(places.reshape(len(places), 6, 3), motion.fps).reshape(len(places), 2, 3)
@@ -234,7 +240,7 @@ def contacts(
     # in a gap that was closed the lowest point bears on; a touch left out bears with nothing
     lowest = height == height.min(axis=2, keepdims=True)
     points = np.where(points.any(axis=2, keepdims=True), points, lowest) & either[..., None]
-    return Contacts(either, points, places, levels, feet.floor, sole)
+    return Contacts(either, points, places, levels, feet.floor, sole, feet.slow)
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,9 +29,9 @@ HEIGHT: Final = 0.003
 """Metres above the floor that do."""
 GENTLE: Final = 10.0
 """m/s²: of a foot."""
-ASTRAY: Final = 0.04
+ASTRAY: Final = 0.008
 """Metres of a foot from its place beneath the body."""
-ADRIFT: Final = 0.1
+ADRIFT: Final = 0.2
 """Metres of the body over the floor from its place."""
 BOUND: Final = 0.003
 """Metres of a foot from where a joint at the end of its range has it."""
@@ -139,36 +139,35 @@ def footing(
             wanted[:, foot] += weight * bounds.place[:, k, axis]
             wanted[:, body] -= weight * bounds.place[:, k, axis]
     diagonal[:, _BODY:] += 1.0 / np.square([ADRIFT, SINKING, ADRIFT])
-    bent = _accelerations(leg, usual) * fps**2
-    square = np.einsum("fri,frj->fij", bent, bent)
-    inner = square[1:-1]
+    square, cross, far = (_bent(leg, usual, fps, lag) for lag in (0, 1, 2))
     here[:-2] += square[:-2]
-    here[1:-1] += 4.0 * inner
+    here[1:-1] += 4.0 * square[1:-1]
     here[2:] += square[2:]
-    cross = np.einsum("fri,frj->fij", bent[:-1], bent[1:])
     next_[:-2] -= 2.0 * cross[:-1]
     next_[1:-1] -= 2.0 * cross[1:]
-    after[:-2] += np.einsum("fri,frj->fij", bent[:-2], bent[2:])
+    after[:-2] += far
     found = _solved(here, next_, after, wanted)
     return Footing(found[:, :_BODY].reshape(frames, 2, 3), found[:, _BODY:])
 
 
-def _accelerations(leg: Leg, usual: Usual) -> Array:
-    """What is to have little second difference, by what is added: shape (frames, rows, 9)."""
-    frames = len(leg.distance)
-    out = np.zeros((frames, 17, 9))
+def _bent(leg: Leg, usual: Usual, fps: float, lag: int) -> Array:
+    """MᵗM of each frame with that ``lag`` frames later, shape (frames − lag, 9, 9): M times what is added is what is to have
+    little second difference, as a share of what that weighs."""
+    frames = len(leg.distance) - lag
+    early, late = slice(0, frames), slice(lag, None)
+    out = np.zeros((frames, 9, 9))
+    body = slice(_BODY, _BODY + 3)
     for k in (0, 1):
-        knee = leg.direction[:, k] * (leg.knee[:, k] / (_SHARE * usual.knees[k]))[:, None]
-        out[:, k, 3 * k : 3 * k + 3] = knee
-        out[:, k, _BODY:] = -knee
-        for axis in range(3):
-            hip = 1.0 / (leg.distance[:, k] * _SHARE * usual.hips[k])
-            row = 2 + 3 * k + axis
-            out[:, row, 3 * k + axis] = hip
-            out[:, row, _BODY + axis] = -hip
-            out[:, 8 + 3 * k + axis, 3 * k + axis] = 1.0 / GENTLE
-    for axis in range(3):
-        out[:, 14 + axis, _BODY + axis] = 1.0 / (_SHARE * usual.body)
+        foot = slice(3 * k, 3 * k + 3)
+        knee = leg.direction[:, k] * (leg.knee[:, k] * fps**2 / (_SHARE * usual.knees[k]))[:, None]
+        hip = fps**2 / (leg.distance[:, k] * _SHARE * usual.hips[k])
+        block = knee[early, :, None] * knee[late, None, :]
+        block += (hip[early] * hip[late])[:, None, None] * np.eye(3)
+        out[:, foot, foot] += block + (fps**2 / GENTLE) ** 2 * np.eye(3)
+        out[:, body, body] += block
+        out[:, foot, body] -= block
+        out[:, body, foot] -= block
+    out[:, body, body] += (fps**2 / (_SHARE * usual.body)) ** 2 * np.eye(3)
     return out
 
 

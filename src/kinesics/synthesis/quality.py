@@ -180,11 +180,11 @@ def _yardstick(repertoire: Repertoire) -> _Yardstick:
             feet[strand, a:b] = stands
             slides.append(slide)
             sunk = max(sunk, low)
-    usual = (
+    turning, pushing = (
         _per_joint(np.linalg.norm(v[list(strands)][:, inner], axis=-1).reshape(-1, shape[2]))
         for v in (turnings, pushes)
     )
-    return _Yardstick(*usual, _Leaps(turnings, pushes), np.concatenate(slides), feet, sunk)
+    return _Yardstick(turning, pushing, _Leaps(turnings, pushes), np.concatenate(slides), feet, sunk)
 
 
 def _per_joint(values: Array) -> Array:
@@ -206,7 +206,7 @@ def _leaps(motion: Motion) -> _Leaps:
 
 def _feet(motion: Motion, stage: Stage) -> tuple[Array, Mask, float]:
     """How far each contact slides, when the feet are on the ground, greatest depth below the floor."""
-    found = _contacts.contacts(motion, known=stage.soles, ground=Floor(0.0))
+    found = _contacts.contacts(motion, known=stage.soles, ground=Floor(0.0), slow=stage.slow)
     slides = [
         slide(found.positions[a:b, k], found.positions[a:b, k, :, 1] - stage.levels[k])
         for k in (0, 1)

@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import weakref
 from collections.abc import Iterable, Sequence
@@ -72,6 +73,7 @@ TOLERATED: Final = 0.01
 """Metres that a foot stands beside its place in the recording which weigh as much as `GENTLE` in the air."""
 ROUNDS: Final = 4
 """Most times that feet are planted, joints put back that were bent too far, and planted again as far as these go."""
+_LEGS: Final = {"left", "right", "femur", "tibia"}
 _SHORT: Final = 0.001
 """Metres by which a foot is off where it was planted before the body goes along."""
 FLESH: Final = 0.01
@@ -153,6 +155,8 @@ class Stage:
     soles: Soles
     levels: Array
     """Height above the floor at which each point of the soles usually bears, metres, shape (2, 3)."""
+    slow: float
+    """Speed below which a sole begins to bear, m/s."""
     accelerations: Array
     """99th percentile for each joint (rad/s²) and, last, for the root's place (m/s²), shape (joints + 1,)."""
     blended: Indices
@@ -220,6 +224,7 @@ class Stage:
             legs,
             found.soles,
             levels,
+            found.slow,
             accelerations,
             _body_joints(repertoire),
             middle,
@@ -631,18 +636,22 @@ def _pin(stage: Stage, rotations: Array, roots: Array, standing: Mask) -> _Foote
 
 def _apart(stage: Stage, rotations: Array, roots: Array) -> Array:
     """By how much over the floor each foot is to move so that no leg is deeper in the other than ever: (frames, 2, 3)."""
-    capsules = stage.capsules
+    legs = [
+        n
+        for n, (a, b) in enumerate(stage.capsules.pairs)
+        if {part for m in (a, b) for part in stage.capsules.names[m].split()} <= _LEGS
+    ]
+    capsules = dataclasses.replace(stage.capsules, pairs=tuple(stage.capsules.pairs[n] for n in legs))
+    deepest = stage.deepest[legs]
     known = kinematics.forward(stage.repertoire.skeleton, rotations, roots)
-    over = capsules.depths(*known) - stage.deepest - 0.5 * FLESH
+    over = capsules.depths(*known) - deepest - 0.5 * FLESH
     out = np.zeros((len(rotations), 2, 3))
     if not (over > 0.5 * FLESH).any():
         return out
     starts, ends = capsules.ends(*known)
     for n, (a, b) in enumerate(capsules.pairs):
-        first, second = capsules.names[a].split(), capsules.names[b].split()
         deep = np.flatnonzero(over[:, n] > 0.0)
-        if not len(deep) or (first[0], second[0]) != ("left", "right") or {first[1], second[1]} - {"femur", "tibia"}:
-            continue
+        sides = (0, 1) if capsules.names[a].startswith("left") else (1, 0)
         # the way apart is that in which the distance grows
         ways = np.zeros((len(deep), 3))
         for axis in (0, 2):
@@ -652,7 +661,7 @@ def _apart(stage: Stage, rotations: Array, roots: Array) -> Array:
                     starts[deep, a] + shift, ends[deep, a] + shift, starts[deep, b], ends[deep, b]
                 )
         ways *= (over[deep, n] / np.maximum(np.linalg.norm(ways, axis=-1), 1e-9))[:, None]
-        for foot, sign in ((0, 1.0), (1, -1.0)):
+        for foot, sign in zip(sides, (1.0, -1.0), strict=True):
             stronger = np.linalg.norm(ways, axis=-1) > np.linalg.norm(out[deep, foot], axis=-1)
             out[deep, foot] = np.where(stronger[:, None], sign * ways, out[deep, foot])
     reach = max(1, round(YIELD * stage.repertoire.fps))
