@@ -21,7 +21,12 @@ EXAMPLES = (
 
 def convert(
     source: Annotated[Path, typer.Argument(metavar="IN", show_default=False, help="The recording.")],
-    target: Annotated[Path, typer.Argument(metavar="OUT", show_default=False, help="Its suffix decides the format: .bvh .amc .glb .gltf .npz.")],
+    target: Annotated[
+        Path,
+        typer.Argument(
+            metavar="OUT", show_default=False, help="Its suffix decides the format: .bvh .amc .glb .gltf .npz."
+        ),
+    ],
     overwrite: recording.Overwrite = False,
     skeleton: recording.Skeleton = None,
     map_: recording.Map = None,
