@@ -279,7 +279,7 @@ class _Figures(NamedTuple):
 
 def _figures(motion: Motion, frames: Sequence[int]) -> _Figures:
     """The bones as `stick_figures` draws them, in the world."""
-    motion, body = stick_figures._understood(motion)
+    motion, body = stick_figures.with_anatomy(motion)
     index = np.asarray(frames)
     picked = motion.replace(
         rotations=motion.rotations[index],
@@ -287,19 +287,19 @@ def _figures(motion: Motion, frames: Sequence[int]) -> _Figures:
         joint_translations=None if motion.joint_translations is None else motion.joint_translations[index],
     )
     skeleton = motion.skeleton
-    tips, parents = stick_figures._tips(picked)
-    sides = stick_figures._sides(skeleton, body)
-    fine = stick_figures._beyond_hands_and_feet(skeleton, body)
-    drawn = stick_figures._descendants(skeleton, [0 if body is None else body.pelvis])
-    long = np.linalg.norm(tips - tips[:, parents], axis=-1).max(axis=0) > stick_figures._SHORTEST
+    tips, parents = stick_figures.tips_of(picked)
+    sides = stick_figures.sides_of(skeleton, body)
+    fine = stick_figures.beyond_hands_and_feet(skeleton, body)
+    drawn = stick_figures.descendants_of(skeleton, [0 if body is None else body.pelvis])
+    long = np.linalg.norm(tips - tips[:, parents], axis=-1).max(axis=0) > stick_figures.SHORTEST_BONE
     ends = [j for j, p in enumerate(parents) if p >= 0 and drawn[p] and long[j]]
     owner = [j if j < skeleton.joint_count else parents[j] for j in range(len(parents))]
-    head = stick_figures._head(skeleton, body)
+    head = stick_figures.head_of(skeleton, body)
     if head is None or body is None:
         heads, radius = tips[:, 0], 0.0
     else:
         base, tip = tips[:, head[0]], tips[:, head[1]]
-        radius = stick_figures._head_radius(skeleton, body)
+        radius = stick_figures.head_radius_of(skeleton, body)
         length = np.linalg.norm(tip - base, axis=-1, keepdims=True)
         unit = np.where(length > 1e-9, (tip - base) / np.maximum(length, 1e-9), [0.0, 1.0, 0.0])
         heads = base + unit * np.maximum(0.5 * length, radius)

@@ -33,7 +33,7 @@ _CAMERAS: Final[dict[str, tuple[float, float]]] = {
     "three-quarter": (-35.0, 8.0),
 }
 
-_SHORTEST: Final = 1e-6
+SHORTEST_BONE: Final = 1e-6
 """Metres: what is shorter in every frame drawn is no stroke."""
 
 
@@ -153,7 +153,7 @@ def compute_strokes(motion: Motion, frames: ArrayLike, *, view: View = "three-qu
     if view not in _CAMERAS:
         raise InputError(f"No view is called '{view}'. Views: {', '.join(_CAMERAS)}.")
     azimuth, elevation = np.deg2rad(_CAMERAS[view])
-    motion, body = _understood(motion)
+    motion, body = with_anatomy(motion)
     index = np.asarray(frames, dtype=np.intp)
     picked = motion.replace(
         rotations=motion.rotations[index],
@@ -161,7 +161,7 @@ def compute_strokes(motion: Motion, frames: ArrayLike, *, view: View = "three-qu
         joint_translations=None if motion.joint_translations is None else motion.joint_translations[index],
     )
     skeleton = motion.skeleton
-    tips, parents = _tips(picked)
+    tips, parents = tips_of(picked)
     points = tips - tips[:, [0 if body is None else body.pelvis]] * np.array([1.0, 0.0, 1.0])
     turn = azimuth + (poses(picked).yaw if turned and body is not None else np.zeros(len(index)))
     cos, sin = np.cos(turn)[:, None], np.sin(turn)[:, None]
@@ -169,18 +169,18 @@ def compute_strokes(motion: Motion, frames: ArrayLike, *, view: View = "three-qu
     towards = sin * points[..., 0] + cos * points[..., 2]
     up = np.cos(elevation) * points[..., 1] - np.sin(elevation) * towards
     flat = np.stack([across, up], axis=-1)
-    sides = _sides(skeleton, body)
+    sides = sides_of(skeleton, body)
     # what leads to the pelvis is no bone, nor is what else hangs there: a rig's node on the floor may stay behind while the
     # body walks away; and what has no length is a joint that a converter put into another
-    drawn = _descendants(skeleton, [0 if body is None else body.pelvis])
+    drawn = descendants_of(skeleton, [0 if body is None else body.pelvis])
     lengths = np.linalg.norm(tips - tips[:, parents], axis=-1).max(axis=0)
-    ends = [j for j, p in enumerate(parents) if p >= 0 and drawn[p] and lengths[j] > _SHORTEST]
+    ends = [j for j, p in enumerate(parents) if p >= 0 and drawn[p] and lengths[j] > SHORTEST_BONE]
     starts = [parents[j] for j in ends]
-    fine = _beyond_hands_and_feet(skeleton, body)
-    head = _head(skeleton, body)
+    fine = beyond_hands_and_feet(skeleton, body)
+    head = head_of(skeleton, body)
     if head is not None and body is not None:
         base, tip = head
-        radius = _head_radius(skeleton, body)
+        radius = head_radius_of(skeleton, body)
         direction = flat[:, tip] - flat[:, base]
         length = np.linalg.norm(direction, axis=-1, keepdims=True)
         unit = np.where(length > 1e-9, direction / np.maximum(length, 1e-9), np.array([0.0, 1.0]))
@@ -213,7 +213,7 @@ def _limbs(starts: Sequence[int], ends: Sequence[int], looks: Sequence[object]) 
     return tuple(tuple(chain) for chain in chains)
 
 
-def _understood(motion: Motion) -> tuple[Motion, anatomy.Anatomy | None]:
+def with_anatomy(motion: Motion) -> tuple[Motion, anatomy.Anatomy | None]:
     """The motion with its anatomy attached; without where the skeleton is no human body: bones can be drawn all the same."""
     try:
         known = anatomy.understood(motion)
@@ -222,7 +222,7 @@ def _understood(motion: Motion) -> tuple[Motion, anatomy.Anatomy | None]:
     return known, anatomy.resolve(known)
 
 
-def _tips(motion: Motion) -> tuple[Array, list[int]]:
+def tips_of(motion: Motion) -> tuple[Array, list[int]]:
     """Joints followed by end sites: positions (frames, joints + sites, 3) and the parent of each."""
     from kinesics.body import kinematics
     from kinesics.geometry import quaternion
@@ -237,7 +237,7 @@ def _tips(motion: Motion) -> tuple[Array, list[int]]:
     return np.concatenate([where.positions, *(s[:, None] for s in sites)], axis=1), parents
 
 
-def _descendants(skeleton: Skeleton, roots: Sequence[int | None]) -> list[bool]:
+def descendants_of(skeleton: Skeleton, roots: Sequence[int | None]) -> list[bool]:
     """Whether each joint is one of ``roots`` or hangs on one."""
     wanted = {r for r in roots if r is not None}
     out: list[bool] = []
@@ -246,26 +246,26 @@ def _descendants(skeleton: Skeleton, roots: Sequence[int | None]) -> list[bool]:
     return out
 
 
-def _sides(skeleton: Skeleton, body: anatomy.Anatomy | None) -> list[str]:
+def sides_of(skeleton: Skeleton, body: anatomy.Anatomy | None) -> list[str]:
     """Which side of the body each joint belongs to."""
     if body is None:
         return [""] * skeleton.joint_count
     roles = body.roles
-    left = _descendants(skeleton, [roles.left_femur, roles.left_humerus, *roles.left_clavicle])
-    right = _descendants(skeleton, [roles.right_femur, roles.right_humerus, *roles.right_clavicle])
+    left = descendants_of(skeleton, [roles.left_femur, roles.left_humerus, *roles.left_clavicle])
+    right = descendants_of(skeleton, [roles.right_femur, roles.right_humerus, *roles.right_clavicle])
     return ["left" if a else "right" if b else "" for a, b in zip(left, right, strict=True)]
 
 
-def _beyond_hands_and_feet(skeleton: Skeleton, body: anatomy.Anatomy | None) -> list[bool]:
+def beyond_hands_and_feet(skeleton: Skeleton, body: anatomy.Anatomy | None) -> list[bool]:
     """Whether each joint is a finger or a toe."""
     if body is None:
         return [False] * skeleton.joint_count
     roles = body.roles
     extremities = [j for j in (roles.left_hand, roles.right_hand) if j is not None]
-    return [beyond and j not in extremities for j, beyond in enumerate(_descendants(skeleton, extremities))]
+    return [beyond and j not in extremities for j, beyond in enumerate(descendants_of(skeleton, extremities))]
 
 
-def _head(skeleton: Skeleton, body: anatomy.Anatomy | None) -> tuple[int, int] | None:
+def head_of(skeleton: Skeleton, body: anatomy.Anatomy | None) -> tuple[int, int] | None:
     """Base and tip of the head among joints and end sites."""
     if body is None:
         return None
@@ -276,7 +276,7 @@ def _head(skeleton: Skeleton, body: anatomy.Anatomy | None) -> tuple[int, int] |
     return (parent, body.head) if parent >= 0 else None
 
 
-def _head_radius(skeleton: Skeleton, body: anatomy.Anatomy) -> float:
+def head_radius_of(skeleton: Skeleton, body: anatomy.Anatomy) -> float:
     """Half the height of a head, metres: .13 of the stature, of which the thigh is .245 (Drillis & Contini 1966)."""
     thigh = float(np.linalg.norm(skeleton.offsets[body.roles.left_tibia]))
     return 0.5 * 0.13 / 0.245 * thigh
