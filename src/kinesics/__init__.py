@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from kinesics.body.motion import reverse as reverse
     from kinesics.body.pose import PoseSequence as PoseSequence
     from kinesics.body.pose import poses as poses
+    from kinesics.body.quality import inspect as inspect
     from kinesics.body.skeleton import Skeleton as Skeleton
     from kinesics.errors import InputError as InputError
     from kinesics.errors import KinesicsError as KinesicsError
@@ -52,6 +53,7 @@ _HOME = {
     "analyze": "kinesics.analysis",
     "distance": "kinesics.similarity",
     "graph": "kinesics.analysis.joint",
+    "inspect": "kinesics.body.quality",
     "load": "kinesics.report",
     "mirror": "kinesics.body.mirroring",
     "mirror_distance": "kinesics.similarity",

@@ -218,11 +218,13 @@ def test_a_frozen_body_is_told() -> None:
     assert [(f.joint, f.start, f.end) for f in found] == [("", 300, 361)]
 
 
-def test_one_pose_held_throughout_is_no_finding() -> None:
-    """A single pose written many times is what it is."""
+@pytest.mark.parametrize(("frames", "told"), [(200, True), (3, False)])
+def test_one_pose_throughout_is_told(frames: int, told: bool) -> None:
+    """A single pose written many times is no movement of a living body; a few frames say nothing."""
     motion = moving()
-    still = motion.replace(rotations=motion.rotations[[0] * 60], root_positions=motion.root_positions[[0] * 60])
-    assert inspect(still).findings == ()
+    still = motion.replace(rotations=motion.rotations[[0] * frames], root_positions=motion.root_positions[[0] * frames])
+    assert [(f.kind, f.start, f.end) for f in inspect(still).findings] == [("frozen", 0, frames)] * told
+    assert any("Nothing moves" in said for said in inspect(still).sentences) is told
 
 
 def test_doubled_frames_tell_the_true_frame_rate() -> None:

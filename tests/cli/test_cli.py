@@ -95,6 +95,8 @@ def test_a_bad_file_is_one_message_on_stderr(
         ("--fps", "0", "fps"),
         ("--beta", "-1", "β"),
         ("--unit", "furlong", "furlong"),
+        ("--unit", "1e-9", "the unit is wrong"),
+        ("--unit", "1e300", "beyond any length"),
         ("--up", "w", "w"),
         ("--map", "no.toml", "no.toml"),
     ],
@@ -209,6 +211,18 @@ def test_analyze_says_what_it_is(kinesics: Kinesics, walk: Path) -> None:
     assert "%)" in said
     assert "motion graph: 2 states, 2 paths" in said
     assert "A aa*₁→ A* (aa*₁)*→" in said
+
+
+def test_a_frozen_recording_is_told(kinesics: Kinesics, tmp_path: Path, walk: Path) -> None:
+    """One frame many times over: it looks wrong, and no moment of it is the fastest."""
+    motion = kx.read(walk)
+    frozen = motion.replace(rotations=motion.rotations[[0] * 90], root_positions=motion.root_positions[[0] * 90])
+    kx.write(frozen, tmp_path / "frozen.bvh")
+    assert "Nothing moves" in kinesics("info", tmp_path / "frozen.bvh").out
+    got = kinesics("analyze", tmp_path / "frozen.bvh", "--out", tmp_path / "frozen")
+    assert got.code == 0
+    assert "doubtful: Nothing moves" in got.out
+    assert "fastest" not in got.out
 
 
 def test_analyze_as_json_writes_nothing(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:

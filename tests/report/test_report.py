@@ -383,6 +383,20 @@ def test_a_folder_that_cannot_be_written_is_one_sentence(tmp_path: Path) -> None
         tmp_path.chmod(0o700)
 
 
+@pytest.mark.parametrize("place", ["file/sub", "file/sub/deeper", "file", "x" * 300, "/proc/nope"])
+def test_a_place_that_can_be_no_folder_is_one_sentence(place: str, tmp_path: Path) -> None:
+    """The place is named as the user gave it, no other name is, and nothing is left behind."""
+    if place.startswith("/proc") and not Path("/proc/self").exists():
+        pytest.skip("This system has no /proc.")
+    (tmp_path / "file").write_text("")
+    target = tmp_path / place
+    with pytest.raises(InputError) as refused:
+        kx.save(_walk(), target)
+    assert str(target) in str(refused.value)
+    assert ".nope-" not in str(refused.value)
+    assert os.listdir(tmp_path) == ["file"]
+
+
 @pytest.mark.parametrize(
     ("contents", "message"),
     [

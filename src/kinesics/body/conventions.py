@@ -193,5 +193,7 @@ def _detect_unit(skeleton: Skeleton, positions: Array, body: dict[str, int]) -> 
     size = measured * UNITS[name]
     text = f"unit {_UNIT_NAMES[name]}: {measured:.4g} units {what} make {size:.2f} m"
     if not 0.4 < size / typical < 1.6:
+        if not lengths:
+            return 0.01, "unit centimetres: by custom, for no legs are known to measure it by"
         text += ", which is no grown-up's size"
     return UNITS[name], text

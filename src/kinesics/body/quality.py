@@ -325,7 +325,13 @@ def _frozen(motion: Motion, steps: _Steps) -> list[Finding]:
     names, fps = motion.skeleton.joint_names, motion.fps
     whole: Mask = np.asarray(steps.still.all(axis=1))
     if whole.all():
-        return []
+        if len(whole) < max(2.0, FROZEN_BODY_SECONDS * fps):
+            return []
+        text = (
+            f"Nothing moves: all {motion.frame_count} frames are exactly the same pose. Living bodies are never exactly still: "
+            "one frame was repeated, or the movement was lost on the way into this file."
+        )
+        return [Finding("frozen", (), 0, motion.frame_count, len(whole) / fps, "s", text)]
     out = []
     runs = _runs(whole)
     repeated = sum(1 for a, b in runs if b - a == 1)

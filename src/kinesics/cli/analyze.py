@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 _MOST_PHRASES = 40
 _LONGEST_SENTENCE = 1200
+_ROUNDING = 1e-5
+"""1/s."""
 
 SUMMARY = "Compare all moments of recordings; leave a report."
 EXAMPLES = (
@@ -172,4 +174,6 @@ def summarize(result: Analysis) -> None:
     for line in result.warnings:
         console.print(f"  [yellow]doubtful:[/yellow] {terminal.escape(line)}")
     if result.speed.max is not None and result.speed.max_s is not None:
-        console.print(f"  fastest at {result.speed.max_s:.2f} s; contrast β = {result.beta:.3g}")
+        # below that nothing is movement: rounding of the file
+        fastest = f"fastest at {result.speed.max_s:.2f} s" if result.speed.max > _ROUNDING else "nothing moves"
+        console.print(f"  {fastest}; contrast β = {result.beta:.3g}")

@@ -57,6 +57,8 @@ LARGEST_FILE: Final = 1 << 30
 """Bytes. A gigabyte of text is more than two hours at 120 frames a second; reading it takes some five times its size."""
 
 _JUDGED_FRAMES = 64
+_SHORTEST_BODY = 1e-6
+"""Metres: a body whose longest bone is shorter is none."""
 
 
 def read(
@@ -252,6 +254,13 @@ def _to_metres_and_y_up(recording: Recording, source: Source, options: ReadOptio
     up = recording.up_axis if options.up is None else options.up
     judged = conventions.detect(skeleton, positions, unit=unit, up=up)
     scale = judged.metres_per_unit
+    longest = float(np.linalg.norm(skeleton.offsets[1:], axis=-1).max(initial=0.0)) * scale
+    if 0.0 < longest < _SHORTEST_BODY:
+        raise FileError(
+            path,
+            f"holds a body whose longest bone is {longest:.3g} m, with {scale:g} m for a unit of length: the unit is wrong. "
+            "Give it by --unit (unit=): m, cm, mm, in, ft, asf, or metres per unit.",
+        )
 
     rotations, roots = recording.rotations, recording.root_positions * scale
     if judged.up_axis != "y":

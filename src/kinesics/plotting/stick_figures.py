@@ -174,7 +174,9 @@ def compute_strokes(motion: Motion, frames: ArrayLike, *, view: View = "three-qu
     # body walks away; and what has no length is a joint that a converter put into another
     drawn = descendants_of(skeleton, [0 if body is None else body.pelvis])
     lengths = np.linalg.norm(tips - tips[:, parents], axis=-1).max(axis=0)
-    ends = [j for j, p in enumerate(parents) if p >= 0 and drawn[p] and lengths[j] > SHORTEST_BONE]
+    hung = [j for j, p in enumerate(parents) if p >= 0 and drawn[p]]
+    # a body of no size at all is a point, and is drawn as one
+    ends = [j for j in hung if lengths[j] > SHORTEST_BONE] or hung
     starts = [parents[j] for j in ends]
     fine = beyond_hands_and_feet(skeleton, body)
     head = head_of(skeleton, body)

@@ -72,6 +72,7 @@ def save(
     with _writing(target):
         parent = target.absolute().parent
         parent.mkdir(parents=True, exist_ok=True)
+    with _writing(target):
         stage = Path(tempfile.mkdtemp(prefix=f".{target.absolute().name[:40]}-", dir=parent))
         try:
             for name, contents in _contents(analysis, palette, report):
@@ -141,8 +142,11 @@ def _contents(analysis: Analysis, palette: str, report: Progress) -> Iterator[tu
 
 def _check(target: Path, analysis: Analysis, overwrite: bool) -> None:
     """Refuse before the work begins."""
-    if target.exists() and not target.is_dir():
-        raise InputError(f"'{target}' is a file; give the name of a folder.")
+    with _writing(target):
+        for place in (target, *target.parents):
+            if place.exists() and not place.is_dir():
+                inside = "" if place == target else f", so '{target}' cannot be in it"
+                raise InputError(f"'{place}' is a file{inside}; give the name of a folder.")
     if overwrite or not target.is_dir():
         return
     with _writing(target):
@@ -212,9 +216,16 @@ def _writing(target: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOSPC, errno.ENOTDIR, errno.ENAMETOOLONG):
-            raise InputError(f"'{target}' cannot be written: {error.strerror}.") from None
-        raise
+        # the folders and the stage that are made on the way are nothing that the user named
+        why = _WHY.get(error.errno or 0) or error.strerror or type(error).__name__
+        raise InputError(f"'{target}' cannot be written: {why}. Give another folder (--out).") from None
+
+
+_WHY: Final = {
+    errno.ENOENT: "no folder can be made there",
+    errno.EEXIST: "a file is in the way",
+    errno.ENOTDIR: "a file is in the way",
+}
 
 
 def _names(names: list[Any]) -> str:
