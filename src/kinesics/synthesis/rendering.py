@@ -446,24 +446,28 @@ def _lay(stage: Stage, network: Network, chosen: Indices, origin: Array, heading
 
 
 def _seams(
-    repertoire: Repertoire, carrier: int, left: Indices, left_yaw: Array, entered: Indices, entered_yaw: Array
+    repertoire: Repertoire,
+    carrier: int,
+    left: Indices,
+    left_yaw: Array,
+    entered: Indices,
+    entered_yaw: Array,
 ) -> tuple[Array, Array]:
     """Offsets of what is entered from what is left, and how quickly they change, shapes (cuts, joints + 1, 3)."""
+    around = np.array([[-1], [0], [1]])
+    sides = np.stack([left, entered])
+    moments = repertoire.advance(sides[None], around[..., None])
+    there = np.asarray((moments >= 0).all(axis=1))
+    moments = np.where(there[:, None], moments, sides)
+    yaw = np.broadcast_to(np.stack([left_yaw, entered_yaw]), moments.shape).ravel()
+    q, roots = repertoire.rotations_of(moments.ravel()), repertoire.roots_of(moments.ravel())
+    _turned(repertoire, carrier, q, yaw)
+    q = q.reshape(*moments.shape, *q.shape[1:])
+    place = quaternion.rotate(_about_y(yaw), roots).reshape(*moments.shape, 3)
+    turned = blending.rotation_offset(q[:, 0], q[:, 1])
+    before, now, after = np.concatenate([turned, (place[:, 1] - place[:, 0])[:, :, None]], axis=2)
+    span = (there[0].astype(np.float64) + there[2].astype(np.float64))[:, None, None]
     fps = repertoire.fps
-    found = []
-    for shift in (-1, 0, 1):
-        a, b = repertoire.advance(left, shift), repertoire.advance(entered, shift)
-        there = (a >= 0) & (b >= 0)
-        sides = []
-        for moments, yaw in ((np.where(there, a, left), left_yaw), (np.where(there, b, entered), entered_yaw)):
-            q = repertoire.rotations_of(moments)
-            _turned(repertoire, carrier, q, yaw)
-            sides.append((q, quaternion.rotate(_about_y(yaw), repertoire.roots_of(moments))))
-        turned = blending.rotation_offset(sides[0][0], sides[1][0])
-        moved = sides[1][1] - sides[0][1]
-        found.append((np.concatenate([turned, moved[:, None]], axis=1), there))
-    (before, early), (now, _), (after, late) = found
-    span = (early.astype(np.float64) + late.astype(np.float64))[:, None, None]
     # a rotation vector leaps where it passes half a turn; such an offset has no velocity that could be told
     change = after - before
     velocity = np.where(span > 0.0, change / np.maximum(span, 1.0) * fps, 0.0)
@@ -853,6 +857,7 @@ class LiveRenderer:
         self.heading = float(heading)
         """The same of the heading, radians."""
         self._left = 0
+        self._onwards = 1
         self._turn = 0.0
         self._onward = -1
         self._offset = np.zeros((joints + 1, 3))
@@ -880,18 +885,20 @@ class LiveRenderer:
         if self._left == 0:
             self._begin(next(self._paths))
         else:
-            self.moment = int(repertoire.advance(self.moment, 1))
+            self.moment += self._onwards
         self._left -= 1
-        now = np.array([self.moment])
-        rotations, root = repertoire.rotations_of(now), repertoire.roots_of(now)[0].copy()
+        # within a path, and just behind it, the recording goes on: no need to ask how far it reaches
+        strand, frame = divmod(self.moment, repertoire.frame_count)
+        image, onward = strand % 2, frame + self._onwards
+        rotations = repertoire.rotations[image, frame][None].copy()
         _turned(repertoire, self.stage.carrier, rotations, np.array([self._turn]))
-        onward = repertoire.advance(now, 1)
-        moved = repertoire.roots_of(onward)[0] - root
-        height = root[1]
-        root = np.array([self.place[0], height, self.place[1]])
+        here, after = repertoire.root_positions[image, frame], repertoire.root_positions[image, onward]
+        moved = after - here
+        root = np.array([self.place[0], here[1], self.place[1]])
         cosine, sine = np.cos(self._turn), np.sin(self._turn)
         self.place += cosine * moved[0] + sine * moved[2], -sine * moved[0] + cosine * moved[2]
-        self.heading = float(repertoire.yaw_of(onward)[0]) + self._turn
+        yaw = float(repertoire.poses.yaw[onward])
+        self.heading = (-yaw if image else yaw) + self._turn
         if self._since < self._duration:
             added = blending.decay(self._offset, self._velocity, np.full(1, self._since), self._duration)
             rotations[0] = self._inside(blending.add_rotation(rotations[0], added[:-1]))
@@ -916,6 +923,7 @@ class LiveRenderer:
             if first != left:
                 self._cut(left, first)
         self.path, self.moment, self._left = path, first, int(network.length[path])
+        self._onwards = -1 if bool(repertoire.is_backward(first)) else 1
 
     def _cut(self, left: int, first: int) -> None:
         repertoire, stage = self.network.repertoire, self.stage
@@ -933,9 +941,7 @@ class LiveRenderer:
         if self._since < self._duration:
             dt = 0.5 / repertoire.fps
             at = np.array([max(self._since - dt, 0.0), self._since, self._since + dt])
-            before, rest, after = (
-                blending.decay(self._offset, self._velocity, np.full(1, t), self._duration) for t in at
-            )
+            before, rest, after = blending.decay(self._offset, self._velocity, at[:, None], self._duration)
             speed = (after - before) / (at[2] - at[0])
         self._offset, self._velocity = rest - offsets[0], speed - velocities[0]
         which = stage.blended
@@ -977,6 +983,9 @@ class _LiveFeet:
         self._lean = np.zeros(2)
         self._drop = 0.0
         self._fps = fps
+        legs = stage.legs
+        self._joints = [*legs.femurs, *legs.tibias, *legs.feet]
+        self._middle, self._low, self._high = (v[self._joints] for v in (stage.middle, stage.low, stage.high))
 
     def step(self, rotations: Array, root: Array, moment: int) -> LiveFrame:
         """Plant the feet of one frame: rotations of shape (1, joints, 4)."""
@@ -1011,9 +1020,28 @@ class _LiveFeet:
         shift[1] = -self._drop
         known = known._replace(positions=known.positions + shift)
         done = inverse_kinematics.reach(skeleton, rotations, (root + shift)[None], targets, limbs=legs, known=known)
-        return LiveFrame(done.rotations[0], root + shift)
+        return LiveFrame(*self._within(done.rotations, root + shift, targets))
+
+    def _within(self, rotations: Array, root: Array, targets: Array) -> tuple[Array, Array]:
+        """Legs within their range: the foot slides, and the body goes after it from the next frame on."""
+        stage, joints = self.stage, self._joints
+        vectors = blending.rotation_offset(self._middle, rotations[0, joints])
+        held = np.clip(vectors, self._low, self._high)
+        if np.array_equal(held, vectors):
+            return rotations[0], root
+        rotations[0, joints] = blending.add_rotation(self._middle, held)
+        known = kinematics.forward(stage.repertoire.skeleton, rotations, root[None])
+        off = (targets - known.positions[:, list(stage.legs.feet)])[0][:, [0, 2]]
+        self._shift -= _SLIPPED * off
+        self._lean += _FOLLOWED * (self._hold[:, None] * off).sum(axis=0) / (self._hold.sum() + _FLIGHT)
+        sunk = -float(stage.soles.place(known.positions, known.rotations)[..., 1].min()) - SUNK
+        return rotations[0], root + np.array([0.0, max(sunk, 0.0), 0.0])
 
 
+_SLIPPED: Final = 0.3
+"""Share of what a leg falls short of that its foot slides for good."""
+_FOLLOWED: Final = 0.3
+"""Share of it by which the body goes along in one frame."""
 _GRASP: Final = 0.03
 """Seconds in which a foot that is on the ground after a cut is grasped."""
 LIVE_LEAN: Final = 0.4
