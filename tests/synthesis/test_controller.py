@@ -228,13 +228,13 @@ def test_bending_brings_nearer(net: Network) -> None:
 @pytest.mark.parametrize("bend", [0.0, 5.0])
 @pytest.mark.parametrize("degrees", range(-150, 181, 30))
 def test_targets_all_round_are_reached(net: Network, ready: Prospects, degrees: int, bend: float) -> None:
-    """Six metres away in any direction, by one and a half times the straight way at most, and there it stands."""
+    """Six metres away in any direction, by one and a half times the straight way and a step at most, and there it stands."""
     x, z = 6.0 * math.sin(math.radians(degrees)), 6.0 * math.cos(math.radians(degrees))
     course = perform_paths(net, Target((x, z)), 30.0, finish=True, bend=bend, prepared=ready, start=AHEAD)
     assert course.attained
     assert nearest(course, x, z) <= 0.5
     # and a metre to turn round
-    assert course.length <= (9.0 if abs(degrees) <= 150 else 10.0)
+    assert course.length <= (9.2 if abs(degrees) <= 150 else 10.0)
     assert course.paths[-1] == STAND
     assert course.seconds < 20.0
     assert "reached" in course.outcome[0]

@@ -234,6 +234,8 @@ class Controller:
                 raise InputError(
                     f"Expected a goal (Target, Route, Favour, …) or a feature with `weight`, `values` and `wish`, got {one!r}."
                 )
+        for pursuit in pursuits:
+            pursuit.prepare(self._bend if isinstance(pursuit, TrailPursuit) and pursuit.steers else 0.0)
         self._pursuits, self._queue, self._braking, self._intention = pursuits, [], False, None
         if self._stand and self._stopping is None and any(isinstance(p, ToPlaces) for p in pursuits):
             stop = _Stop(self.network, self._trails)
@@ -415,6 +417,7 @@ class Controller:
                 swerve + turn * (then.swerve[:, :points] + 1j * travelled * then.places[:, :points]),
                 count,
             ),
+            _beside(head.playing, then.playing[:, :points], count),
         )
         miss = self._weighed(trail)
         hasty = self.prospects.first_jump[rows] + since_jump < self._hold
@@ -467,6 +470,7 @@ class Controller:
             trail.headings[:, left] - np.float32(self._turn[path]),
             travelled,
             swerve.astype(np.complex64),
+            trail.playing[:, left],
         )
         return composite._replace(paths=composite.paths[1:], trail=rest)
 

@@ -29,6 +29,7 @@ from numpy.typing import ArrayLike, NDArray
 from kinesics.errors import InputError
 from kinesics.synthesis import ways
 from kinesics.synthesis.prospects import Prospects, Trail
+from kinesics.synthesis.togo import LEAST_RADIUS
 
 if TYPE_CHECKING:
     from kinesics.synthesis.network import Network
@@ -47,6 +48,12 @@ FAR: Final = 10_000.0
 """Metres; no target lies beyond."""
 HASTE: Final = 0.3
 """How much a metre late weighs beside a metre aside, when a target is within reach."""
+BENDS: Final = 9
+"""Ways of bending what is decided for that are compared, where the target lies beyond it."""
+LATE: Final = 0.5
+"""How much a metre that could have been walked meanwhile weighs beside a metre from the target, where it is met."""
+FASTEST: Final = 2.0
+"""Times as far as `Prospects.reach` that no composite leads."""
 FACING: Final = 1.5
 """How much turning towards a target weighs, beside the metres walked while turning so far."""
 ALONG: Final = 0.3
@@ -116,6 +123,9 @@ class Pursuit:
     def chain(self, paths: Sequence[int], now: Situation) -> float:
         """As `miss`, of a chain of paths that is in no bundle; by pursuits that do not judge by trails."""
         return 0.0
+
+    def prepare(self, bend: float) -> None:
+        """Compute what is needed for decisions, ways being bent by ``bend`` radians a metre at most."""
 
     def passed(self, places: NDArray[np.complex128], times: Array) -> None:
         """Look along the way that is about to be walked: places (z + i·x) frame by frame and their times."""
@@ -332,6 +342,51 @@ class ToPlaces(_Seeking):
     def radius(self) -> float:
         """How near counts as there, metres."""
         return self._radius
+
+    def prepare(self, bend: float) -> None:
+        """See `Pursuit`."""
+        if self._pace:
+            self._all.to_go(self._radius, bend)
+
+    def weigh(self, trail: Trail, now: Situation, bend: float) -> Array:
+        """See `TrailPursuit`: metres from the target when it is met, and metres that could have been walked meanwhile."""
+        if not self._pace:
+            return super().weigh(trail, now, bend)
+        met, onward, _ = self._prices(trail, now, bend, (0.0, -bend, bend) if bend > 0.0 else (0.0,))
+        return np.asarray(self._scale * np.minimum(met.min(axis=1), onward.min(axis=0)), dtype=np.float64)
+
+    def bend(self, trail: Trail, now: Situation, most: float) -> float:
+        """See `TrailPursuit`."""
+        if not self._pace:
+            return super().bend(trail, now, most)
+        bends = np.linspace(-most, most, BENDS)
+        met, onward, at_each = self._prices(trail, now, most, bends)
+        k, b = int(np.argmin(met[0])), int(np.argmin(onward[:, 0]))
+        return float(at_each[0, k] if met[0, k] <= onward[b, 0] else bends[b])
+
+    def _prices(self, trail: Trail, now: Situation, most: float, bends: ArrayLike) -> tuple[Floats, Floats, Floats]:
+        """Squared metres that it costs to be there at each point of the trails, infinite where one is not; to go on from
+        their ends, for each of the bends; and the bend that leads nearest to each point.
+        """
+        target = np.complex64((self.goal - now.place) * np.exp(-1j * now.heading))
+        straight = max(float(abs(target)) - self._radius, 0.0)
+        if straight > FASTEST * self._reach:
+            met, bent = _NOWHERE, _NOWHERE
+        else:
+            gap = trail.places - target
+            bent = _best_bend(gap, trail.swerve, most)
+            off = gap + bent * trail.swerve
+            square = off.real**2 + off.imag**2
+            late = LATE * np.maximum(self._pace * trail.times - straight, 0.0)
+            met = np.where(square <= max(self._radius, LEAST_RADIUS) ** 2, square + late**2, np.inf)
+        bend: Floats = np.asarray(bends, dtype=np.float32)[:, None]
+        there = trail.places[:, -1] + bend * trail.swerve[:, -1]
+        turned = trail.headings[:, -1] + bend * trail.travelled[:, -1]
+        seconds = trail.times[:, -1] + self._all.to_go(self._radius, most).after(
+            trail.playing[:, -1], (target - there) * np.exp(-1j * turned)
+        )
+        late = LATE * np.maximum(self._pace * seconds - straight, 0.0)
+        return met, late**2 + (self._radius / 2.0) ** 2, bent
 
     def _wish(self, now: Situation, times: Floats) -> complex:
         return self.goal - now.place
@@ -847,13 +902,16 @@ def _unknown(what: str, name: str, known: set[str]) -> str:
 
 # --- small helpers of the goals above
 
+_NOWHERE: Final = np.full((1, 1), np.inf, dtype=np.float32)
+
 
 def _best_bend(gap: Complexes, swerve: Complexes, most: float) -> NDArray[np.float32]:
     """Bend that brings each point nearest to its wish, clipped: least squares, |gap + bend · swerve|²."""
     if most <= 0.0:
         return np.zeros(gap.shape, dtype=np.float32)
     along = gap.real * swerve.real + gap.imag * swerve.imag
-    return np.asarray(np.clip(-along / (swerve.real**2 + swerve.imag**2 + 1e-9), -most, most), dtype=np.float32)
+    bend = -along / (swerve.real**2 + swerve.imag**2 + 1e-9)
+    return np.asarray(np.minimum(np.maximum(bend, -most), most), dtype=np.float32)
 
 
 def _shared_bend(gap: Complexes, swerve: Complexes, most: float) -> NDArray[np.float32]:

@@ -17,7 +17,7 @@ References
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Final, NamedTuple
 
@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.errors import InputError
+from kinesics.synthesis.togo import ToGo, to_go
 
 if TYPE_CHECKING:
     from kinesics.synthesis.network import Network
@@ -38,15 +39,15 @@ LOOKAHEAD: Final = 2.0
 """Seconds that composites last at least, if nothing else is said."""
 SAMPLE: Final = 0.25
 """Seconds between the points of a composite's trail."""
-MOST_ROWS: Final = 200_000
+MOST_ROWS: Final = 120_000
 """Composites of a network all together: about 300 bytes each."""
 FEWEST: Final = 32
 """Composites that follow one path, if as many differ and the network is large."""
-MOST: Final = 192
+MOST: Final = 128
 """Composites that follow one path, if as many differ and the network is small."""
 BRANCHES: Final = 8
 """Chains tried behind each chain when they are doubled, at least."""
-TRIED: Final = 500_000
+TRIED: Final = 250_000
 """Chains tried all together when they are doubled, if each then has no fewer than `BRANCHES`."""
 CELL: Final = 0.3
 """Metres; chains that end in the same cell, `SECTOR` and `BEAT` count as the same."""
@@ -54,6 +55,8 @@ SECTOR: Final = np.pi / 8.0
 """Radians."""
 BEAT: Final = 0.75
 """Seconds."""
+HASTY: Final = 1e4
+"""Cost of a jump that comes too soon after another: more than any other."""
 NEVER: Final = 1e6
 """Seconds to a jump that does not come."""
 
@@ -84,6 +87,8 @@ class Trail(NamedTuple):
     """Metres walked, shape (rows, points)."""
     swerve: Places
     """How the places move if the way is bent by 1 radian a metre, to first order: shape (rows, points)."""
+    playing: NDArray[np.int32]
+    """The path that is being played: shape (rows, points)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,6 +109,9 @@ class Prospects:
     """Of all its transitions together, that into its first path included: shape (rows,)."""
     first_jump: Floats
     """Seconds until it first leaves a recording, `NEVER` if it does not: shape (rows,)."""
+    rows: Indices
+    """Those that may follow path ``i`` are ``rows[i]:rows[i + 1]``: shape (paths + 1,)."""
+    _to_go: dict[tuple[float, float], ToGo] = field(default_factory=dict, repr=False)
 
     @cached_property
     def reach(self) -> float:
@@ -121,6 +129,13 @@ class Prospects:
         """Metres walked while turning by a radian, as quickly as all but the quickest tenth of the paths allow."""
         turned = float(np.quantile(np.maximum.reduceat(np.abs(self.trail.headings[:, -1]), self.start[:-1]), 0.9))
         return self.reach / max(turned, 0.1)
+
+    def to_go(self, radius: float, bend: float) -> ToGo:
+        """Seconds to a target of so many metres, by ways bent by so many radians a metre. Computed when first asked for."""
+        asked = round(float(radius), 3), round(float(bend), 6)
+        if asked not in self._to_go:
+            self._to_go[asked] = to_go(self.trail, self.rows, self.reach, *asked)
+        return self._to_go[asked]
 
     def along(self, rows: slice) -> Trail:
         """The trails of some rows."""
@@ -279,12 +294,15 @@ def _thinned(chains: _Chains, owner_of: Indices, room: Indices, rng: np.random.G
     x, z = np.floor(chains.place.imag / CELL), np.floor(chains.place.real / CELL)
     cell = ((x + 1000) * 2000 + z + 1000) * 1024
     cell = cell + (np.floor(chains.heading / SECTOR) % 16) * 64 + np.minimum(chains.duration // BEAT, 63)
-    order = np.lexsort((chance, chains.cost, chains.haste, cell, owner))
+    cell += (owner * 2000.0 * 2000.0) * 1024.0
+    # fewest hasty jumps, then least cost, then chance, as one number
+    dear = chains.cost + HASTY * chains.haste + 1e-6 * chance
+    order = np.lexsort((dear, cell))
     fresh = np.ones(len(order), dtype=np.bool_)
-    fresh[1:] = (np.diff(owner[order]) != 0) | (np.diff(cell[order]) != 0)
+    fresh[1:] = np.diff(cell[order]) != 0
     candidates = np.zeros(len(order), dtype=np.bool_)
     candidates[order[fresh]] = True
-    order = np.lexsort((chance, chains.cost, chains.haste, chains.edge))
+    order = np.lexsort((dear, chains.edge))
     fresh[1:] = np.diff(chains.edge[order]) != 0
     must = np.zeros(len(order), dtype=np.bool_)
     must[order[fresh]] = True
@@ -327,7 +345,8 @@ def _sampled(
         times = SAMPLE * np.arange(1.0, max(1, round(lookahead / SAMPLE)) + 1.0)
         places = np.zeros((rows, len(times)), dtype=np.complex128)
         headings = np.zeros((rows, len(times)))
-        _follow(sequence, network, ways, times, places, headings)
+        playing = np.zeros((rows, len(times)), dtype=np.int32)
+        _follow(sequence, network, ways, times, places, headings, playing)
         strides = np.diff(places, axis=1, prepend=0.0)
         lengths = np.abs(strides)
         travelled = np.cumsum(lengths, axis=1)
@@ -337,6 +356,7 @@ def _sampled(
         places, headings = chains.place[:, None], chains.heading[:, None]
         clock = chains.duration[:, None]
         path = chains.last
+        playing = path.astype(np.int32)[:, None]
         end = ways.start[path] + np.asarray(network.length, dtype=np.intp)[path]
         travelled = ways.travelled[end][:, None]
         # bent evenly over its length, a straight way turns by half the angle
@@ -351,9 +371,11 @@ def _sampled(
             headings.astype(np.float32),
             travelled.astype(np.float32),
             swerve.astype(np.complex64),
+            playing,
         ),
         cost=chains.cost.astype(np.float32),
         first_jump=chains.first_jump.astype(np.float32),
+        rows=start[np.asarray(network.indptr)],
     )
 
 
@@ -364,8 +386,9 @@ def _follow(
     times: Array,
     places: NDArray[np.complex128],
     headings: Array,
+    playing: NDArray[np.int32],
 ) -> None:
-    """Fill in where each chain is at each of the times."""
+    """Fill in where each chain is at each of the times, and which path it plays."""
     fps = network.repertoire.fps
     lengths = np.asarray(network.length, dtype=np.intp)
     frames = np.round(times * fps).astype(np.intp)
@@ -385,6 +408,7 @@ def _follow(
             point = ways.start[path[here]] + frame - passed[rows]
             places[rows, k] = at[rows] + np.exp(1j * facing[rows]) * ways.places[point]
             headings[rows, k] = facing[rows] + ways.headings[point]
+            playing[rows, k] = path[here]
         end = ways.start[path] + lengths[path]
         at[live] += np.exp(1j * facing[live]) * ways.places[end]
         facing[live] += ways.headings[end]
