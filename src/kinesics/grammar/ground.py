@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -40,6 +41,34 @@ _NOISE_FACTOR: Final = 3.0
 _TURN_REACH: Final = 3.0
 """Seconds that a turning back may take to lead away from its centre."""
 
+_UPPER: Final = 0.75
+"""Quantile that says how far a movement goes and how far its repetitions are apart: robust, unlike the extremes."""
+_FAR: Final = 0.25
+"""Of the spread: so far off the movement has been away, and what comes near again is a repetition."""
+_CLOSE: Final = 0.12
+"""Of the spread: what comes back no closer is other movement, not a repetition;"""
+_SHARE: Final = 0.1
+"""and so much of a recording must come back for its precision to be known;"""
+_UNREPEATED: Final = 0.03
+"""else it is taken to be this share of the spread, as it is in exercises repeated with care."""
+_LOOSER: Final = 1.5
+"""Beyond the upper quartile of repetition: the rest of it;"""
+_SAME_MOST: Final = 0.08
+"""of the spread, at most, lest a careless body make one of all poses."""
+_ROUNDING: Final = 5e-6
+"""Ten times what single precision leaves between a moment and itself."""
+_STATE: Final = (6.0, 0.15, 0.2, 1.5)
+"""Moments of one state lie within so many times `same` of each other, for they are marked to either side of it; at least and
+at most so much of the spread, lest few or many states be made of a few; and in any case within so many times `same`."""
+_VISIT: Final = (4.0, 0.04, 0.15, 1.2)
+"""The same of being in a state: nearer than a state is wide, for the distance is from its middle."""
+_PATH: Final = (5.0, 0.025, 0.2, 3.0)
+"""The same of two traversals of a path: tempo is warped away, but a way is less precise than the places it leads to."""
+_AWAY: Final = 8.0
+"""Times `same`, or `_FAR` of the spread: the movement has left."""
+_PRECISE: Final = 0.005
+"""Of the spread: nobody tells two ways apart that differ so little."""
+
 
 @dataclass(frozen=True)
 class Nearness:
@@ -63,12 +92,53 @@ class Nearness:
     """Within this two traversals are one path, however much nearer others are."""
 
 
-def judge_nearness(moments: Moments) -> Nearness:
+@dataclass(frozen=True)
+class _Precision:
+    """How far a recording goes, and how precisely its body comes back."""
+
+    spread: float
+    recurring: float | None
+    """Upper quartile of D to the nearest moment of another time; None where too little of it recurs to tell."""
+
+
+def judge_nearness(moments: Moments, breaks: Sequence[int] = ()) -> Nearness:
     """What counts as near, from the data: how close repeated movement comes to itself, against how far movement goes.
 
     For a sample of moments the nearest other moment is sought, once the movement has been away in between. Where much of it
     recurs, the spread of these distances is that of repetition; what is left lies far off and does not matter.
+
+    Each recording is judged by itself, and the longer half of them decides: how precisely a body repeats itself is seen where it
+    does so, and that one recording resembles another, or is a copy of it, says nothing about that.
+
+    Parameters
+    ----------
+    breaks : moments at which another recording begins.
     """
+    parts = [moments.cut(a, b) for a, b in pairwise((0, *breaks, moments.count))]
+    judged = [_precision(part) for part in parts]
+    spread = _median([(j.spread, part.count) for j, part in zip(judged, parts, strict=True)]) or 1e-9
+    # relative to the recording's own spread: a small exercise is repeated as well as a large one
+    precise = [(j.recurring, p.count) for j, p in zip(judged, parts, strict=True) if j.recurring is not None]
+    recurring = _median(precise) if precise else _UNREPEATED * spread
+    floor = _NOISE_FACTOR * moments.noise
+    same = max(floor, min(_LOOSER * recurring, _SAME_MOST * spread), _ROUNDING)
+
+    def between(times: float, least: float, most: float, at_least: float) -> float:
+        return float(np.clip(times * same, least * spread, max(most * spread, at_least * same)))
+
+    return Nearness(
+        spread=spread,
+        same=same,
+        state=between(*_STATE),
+        visit=between(*_VISIT),
+        away=max(_AWAY * same, _FAR * spread),
+        path=between(*_PATH),
+        symmetric=max(4 * same, 0.04 * spread),
+        precise=_PRECISE * spread,
+    )
+
+
+def _precision(moments: Moments) -> _Precision:
     n = moments.count
     sample = np.unique(np.linspace(0, n - 1, min(n, _SAMPLE)).round().astype(int))
     everything = np.arange(n)
@@ -79,34 +149,32 @@ def judge_nearness(moments: Moments) -> Nearness:
             part = sample[first : first + 64]
             yield from zip(part.tolist(), *moments.between(part, everything), strict=True)
 
-    spreads = [float(np.quantile(d, 0.75)) for _, d, _ in rows()]
+    spreads = [float(np.quantile(d, _UPPER)) for _, d, _ in rows()]
     spread = float(np.median(spreads)) or 1e-9
     nearest: list[float] = []
     for t, d, s in rows():
-        away = np.flatnonzero(d > 0.25 * spread)
+        away = np.flatnonzero(d > _FAR * spread)
         after, before = away[away > t][:1], away[away < t][-1:]
         best = np.inf
         if len(after):
             best = min(best, deepest(d[after[0] :]))
         if len(before):
             best = min(best, deepest(d[: before[0] + 1]))
-        if s[t] > 0.25 * spread:
+        if s[t] > _FAR * spread:
             best = min(best, deepest(s))
         nearest.append(best)
-    close = np.array([v for v in nearest if v < 0.12 * spread])
-    recurring = float(np.quantile(close, 0.75)) if len(close) >= 0.1 * len(sample) else 0.03 * spread
-    floor = _NOISE_FACTOR * moments.noise
-    same = max(floor, min(1.5 * recurring, 0.08 * spread), 5e-6)
-    return Nearness(
-        spread=spread,
-        same=same,
-        state=float(np.clip(6.0 * same, 0.15 * spread, max(0.2 * spread, 1.5 * same))),
-        visit=float(np.clip(4.0 * same, 0.04 * spread, max(0.15 * spread, 1.2 * same))),
-        away=max(8.0 * same, 0.25 * spread),
-        path=float(np.clip(5.0 * same, 0.025 * spread, max(0.2 * spread, 3.0 * same))),
-        symmetric=max(4 * same, 0.04 * spread),
-        precise=0.005 * spread,
-    )
+    close = np.array([v for v in nearest if v < _CLOSE * spread])
+    recurs = len(close) >= _SHARE * len(sample)
+    return _Precision(spread, float(np.quantile(close, _UPPER)) if recurs else None)
+
+
+def _median(weighted: Sequence[tuple[float, int]]) -> float:
+    """The median of values that count as often as they weigh; the mean of the two where half lies on either side."""
+    ordered = sorted(weighted)
+    values = np.array([v for v, _ in ordered])
+    passed = np.cumsum([w for _, w in ordered])
+    half = passed[-1] / 2
+    return float((values[np.searchsorted(passed, half)] + values[np.searchsorted(passed, half, side="right")]) / 2)
 
 
 def deepest(row: Floats) -> float:
@@ -255,10 +323,62 @@ class Mark:
     """It stops, turns back or passes its mirror image there; else a way parts or joins."""
 
 
-def find_marks(moments: Moments, place: Ground, near: Nearness, breaks: Sequence[int]) -> list[Mark]:
-    """Moments at which the movement may be in a state: where ways part or join, where it stops, turns back, is symmetric."""
+def all_marks(moments: Moments, near: Nearness, breaks: Sequence[int], progress: Progress) -> list[Mark]:
+    """The marks of several recordings put one after the other: each one's own, and where it joins or leaves another's ground.
+
+    Each draws its own map, so that its marks do not depend on which others are read with it, or in which order.
+    """
+    borders = (0, *breaks, moments.count)
+    out: list[Mark] = []
+    for number, (start, end) in enumerate(pairwise(borders)):
+
+        def share(fraction: float, message: str = "", number: int = number) -> None:
+            progress((number + fraction) / (len(borders) - 1), message)
+
+        part = moments.cut(start, end)
+        place = localise(part, near.same, share)
+        meetings = [Mark(t, False) for t in _meetings(moments, start, end, breaks, near)]
+        out += [Mark(start + m.moment, m.traced) for m in find_marks(part, place, near, meetings)]
+    return out
+
+
+def _meetings(moments: Moments, start: int, end: int, breaks: Sequence[int], near: Nearness) -> list[int]:
+    """Moments, counted from ``start``, at which a recording joins and leaves ground of the others, the same or mirrored."""
+    others = [np.arange(a, b) for a, b in pairwise((0, *breaks, moments.count)) if a != start]
+    if not others:
+        return []
+    nearest = np.full(end - start, np.inf)
+    for first in range(start, end, _ROWS):
+        here = np.arange(first, min(first + _ROWS, end))
+        for other in others:
+            for block in moments.between(here, other):
+                part = nearest[first - start : first - start + len(here)]
+                np.minimum(part, _deepest_of_each(block), out=part)
+    out: list[int] = []
+    # gone when three times as far: noise must not part what goes along
+    inside = np.concatenate([[False], nearest < 3 * near.same, [False]])
+    edges = np.flatnonzero(inside[1:] != inside[:-1])
+    for low, high in zip(edges[::2], edges[1::2], strict=True):
+        met = low + np.flatnonzero(nearest[low:high] < near.same)
+        if len(met):
+            out += [int(t) for t in (met[0], met[-1]) if 0 < t < end - start - 1]
+    return out
+
+
+def _deepest_of_each(block: Floats) -> Array:
+    """`deepest` of each row."""
+    return np.array([deepest(row) for row in block])
+
+
+def find_marks(moments: Moments, place: Ground, near: Nearness, meetings: Sequence[Mark] = ()) -> list[Mark]:
+    """Moments at which the movement may be in a state: where ways part or join, where it stops, turns back, is symmetric.
+
+    Parameters
+    ----------
+    meetings : where it joins or leaves ground of other recordings.
+    """
     n = moments.count
-    marks = [Mark(0, False), Mark(n - 1, False)]
+    marks = [Mark(0, False), Mark(n - 1, False), *meetings]
     runs = list(_runs(place))
     marks += [Mark(start - 1, False) for start, _ in runs[1:]]
     for start, end in runs:
@@ -267,9 +387,7 @@ def find_marks(moments: Moments, place: Ground, near: Nearness, breaks: Sequence
     reach = min(n - 1, max(2, round(_TURN_REACH * moments.fps)))
     d = moments.d_by_lag(reach)
     marks += [Mark((a + b) // 2, True) for a, b in _stops(d, near, max(2, round(STOP_S * moments.fps)))]
-    slow = _local_minima(moments.speed)
-    slow = [t for t in slow if all(abs(t - b) > 1 for b in breaks)]
-    marks += [Mark(t, True) for t in slow if _turns_back(d, t, near)]
+    marks += [Mark(t, True) for t in _local_minima(moments.speed) if _turns_back(d, t, near)]
     marks += [Mark(t, True) for t in _symmetric_passages(moments, near) if _stands_alone(moments, t, near)]
     return _absorbed(moments, marks, near)
 

@@ -9,9 +9,10 @@ A state that leaves no trace (one way in, one way out, no stop, no turning back,
 
 from __future__ import annotations
 
+import bisect
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import combinations, groupby, pairwise
+from itertools import combinations, groupby, pairwise, product
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -200,7 +201,7 @@ def _state_of(moments: Moments, group: Sequence[Mark], near: Nearness) -> ReadSt
     return ReadState(moment, symmetric, bool(traced))
 
 
-def _refined(moments: Moments, states: Sequence[ReadState], near: Nearness) -> list[ReadState]:
+def _refined(moments: Moments, states: Sequence[ReadState], near: Nearness, breaks: Sequence[int]) -> list[ReadState]:
     """States that are only passed, put where the ways cross: at the moment near by that most passages come closest to.
 
     Ways join early and part late, so the marks lie to either side of the state.
@@ -212,13 +213,16 @@ def _refined(moments: Moments, states: Sequence[ReadState], near: Nearness) -> l
         if state.traced:
             out.append(state)
             continue
-        around = np.arange(max(0, state.moment - reach), min(moments.count, state.moment + reach + 1))
+        first, last = _recording_of(state.moment, moments.count, breaks)
+        around = np.arange(max(first, state.moment - reach), min(last, state.moment + reach + 1))
         close = around[moments.between(np.array([state.moment]), around)[0][0] < near.state]
         exact = max(near.same, 0.005 * near.spread)
         best = (0, -np.inf)
         moment = state.moment
         for candidate, *rows in zip(close.tolist(), *moments.between(close, everything), strict=True):
-            depths = [ground.deepest(row[start:end]) for row in rows for start, end in _below(row, near.visit)]
+            depths = [
+                ground.deepest(row[start:end]) for row in rows for start, end in _split(_below(row, near.visit), breaks)
+            ]
             through = [x for x in depths if x < exact]
             score = (len(through), -float(np.mean(through)) if through else -np.inf)
             if score > best:
@@ -239,6 +243,12 @@ def _distinct(moments: Moments, states: Sequence[ReadState], near: Nearness) -> 
     return [states[k] for k in sorted(kept)]
 
 
+def _recording_of(moment: int, count: int, breaks: Sequence[int]) -> tuple[int, int]:
+    """The range [start, end) of the recording that a moment is of."""
+    k = bisect.bisect_right(breaks, moment)
+    return (0, *breaks)[k], (*breaks, count)[k]
+
+
 def _split(stretches: Iterable[tuple[int, int]], breaks: Sequence[int]) -> Iterator[tuple[int, int]]:
     """Cut stretches where another recording begins."""
     for start, end in stretches:
@@ -257,20 +267,27 @@ class _Seen:
 
     def __init__(self, moments: Moments, radius: float, breaks: Sequence[int]) -> None:
         self.moments, self.radius, self.breaks = moments, radius, breaks
-        self._passages: dict[int, tuple[list[_Passage], list[_Passage]]] = {}
+        self._passages: dict[tuple[int, bool], tuple[list[_Passage], list[_Passage]]] = {}
         self._warped: dict[tuple[int, int, int, int], dict[tuple[bool, bool], float]] = {}
 
-    def passages(self, poses: Sequence[int]) -> list[tuple[list[_Passage], list[_Passage]]]:
-        """When the movement passes the poses of some moments, and when their mirror images."""
-        new = [m for m in dict.fromkeys(poses) if m not in self._passages]
+    def passages(self, states: Sequence[ReadState]) -> list[tuple[list[_Passage], list[_Passage]]]:
+        """When the movement passes each state, and when its mirror image: never, where the state is symmetric.
+
+        A symmetric state is passed when either it or its mirror image is, for nobody is exactly symmetric.
+        """
+        wanted = [(s.moment, s.symmetric) for s in states]
+        new = [key for key in dict.fromkeys(wanted) if key not in self._passages]
         everything = np.arange(self.moments.count)
         step = max(1, _CELLS // self.moments.count)
         for first in range(0, len(new), step):
             part = new[first : first + step]
-            for moment, *rows in zip(part, *self.moments.between(np.array(part), everything), strict=True):
-                of_pose, of_image = ([*self._passed(row)] for row in rows)
-                self._passages[moment] = of_pose, of_image
-        return [self._passages[m] for m in poses]
+            blocks = self.moments.between(np.array([moment for moment, _ in part]), everything)
+            for key, straight, image in zip(part, *blocks, strict=True):
+                if key[1]:
+                    self._passages[key] = [*self._passed(np.minimum(straight, image))], []
+                else:
+                    self._passages[key] = [*self._passed(straight)], [*self._passed(image)]
+        return [self._passages[key] for key in wanted]
 
     def _passed(self, row: Floats) -> Iterator[_Passage]:
         # in at the radius, out at three times it: noise must not make two visits of one
@@ -316,10 +333,8 @@ class _Passage(NamedTuple):
 def _visits(seen: _Seen, states: Sequence[ReadState]) -> list[Visit]:
     """All times at which the movement is in a state; where two claim it, the nearer one's."""
     found: list[tuple[Visit, float]] = []
-    for k, (state, passages) in enumerate(zip(states, seen.passages([s.moment for s in states]), strict=True)):
-        for is_mirrored, passed in ((False, passages[0]), (True, passages[1])):
-            if is_mirrored and state.symmetric:
-                continue
+    for k, passages in enumerate(seen.passages(states)):
+        for is_mirrored, passed in zip((False, True), passages, strict=True):
             found += [(Visit(p.start, p.end, p.at, k, is_mirrored), p.depth) for p in passed]
     found.sort(key=lambda v: (v[0].at, v[1]))
     out: list[tuple[Visit, float]] = []
@@ -388,6 +403,7 @@ def _traverse(
     Where the class of a cyclic movement tells which path a stretch is (``keys``), its first occurrence alone is compared.
     """
     known: dict[tuple[int, int, int], Traversal] = {}
+    compared: set[int] = set()
     paths: list[ReadPath] = []
     shapes: list[tuple[int, int]] = []
     by_ends: dict[tuple[tuple[int, bool], tuple[int, bool]], list[tuple[int, bool, bool]]] = {}
@@ -404,6 +420,22 @@ def _traverse(
             known.setdefault(key, Traversal(a.at, b.at, path, backwards != way_back, mirrored != way_mirrored))
         return taken
 
+    def best_fit(a: Visit, b: Visit) -> tuple[int, bool, bool] | None:
+        trials = by_ends.get(((a.state, a.mirrored), (b.state, b.mirrored)), [])
+        if not trials:
+            return None
+        others = [
+            (shapes[k], [(reverse, mirror) for _, reverse, mirror in group])
+            for k, group in groupby(trials, key=lambda trial: trial[0])
+        ]
+        costs = seen.distances((a.at, b.at), others)
+        best = float(np.min(costs))
+        if best >= near.path:
+            return None
+        # a path that is its own image fits more than one way: then it is taken as it is, not backwards or mirrored
+        fits = [trial for trial, cost in zip(trials, costs, strict=True) if cost <= best + _AS_WELL * near.path]
+        return min(fits, key=lambda trial: trial[1] + trial[2])
+
     for number, (a, b) in enumerate(pairwise(visits)):
         if any(a.at < border <= b.at for border in breaks):
             out.append(Traversal(a.at, b.at, BREAK, False, False))
@@ -414,19 +446,11 @@ def _traverse(
             out.append(note(number, model.path, model.reversed != way_back, model.mirrored != way_mirrored))
             continue
         here, there = (a.state, a.mirrored), (b.state, b.mirrored)
-        trials = by_ends.get((here, there), [])
-        if trials:
-            others = [
-                (shapes[k], [(reverse, mirror) for _, reverse, mirror in group])
-                for k, group in groupby(trials, key=lambda trial: trial[0])
-            ]
-            costs = seen.distances((a.at, b.at), others)
-            best = float(np.min(costs))
-            if best < near.path:
-                # a path that is its own image fits more than one way: then it is taken as it is, not backwards or mirrored
-                fits = [trial for trial, cost in zip(trials, costs, strict=True) if cost <= best + _AS_WELL * near.path]
-                out.append(note(number, *min(fits, key=lambda trial: trial[1] + trial[2])))
-                continue
+        fit = best_fit(a, b)
+        if fit is not None:
+            compared.add(number)
+            out.append(note(number, *fit))
+            continue
         told = symmetric.get(keys[number][0][0]) if number in keys else None
         for reverse, mirror, ends in (
             (False, False, (here, there)),
@@ -438,6 +462,11 @@ def _traverse(
         paths.append(ReadPath(here, there, told))
         shapes.append((a.at, b.at))
         out.append(note(number, len(paths) - 1, False, False))
+    # once all paths are known, the nearest: what a stretch is must not depend on which others came before it
+    for number in compared - keys.keys():
+        fit = best_fit(visits[number], visits[number + 1])
+        if fit is not None:
+            out[number] = Traversal(out[number].start, out[number].end, *fit)
     return paths, out
 
 
@@ -459,9 +488,14 @@ def _one_way(
         if any(n in keys for n in numbers):
             continue
         back = [n for n in numbers if traversals[n].reversed]
-        forth = [n for n in numbers if not traversals[n].reversed]
-        alike = [_cost(seen, traversals, a, b) for way in (forth, back) for a, b in combinations(way[:_COMPARED], 2)]
-        across = [_cost(seen, traversals, a, b) for a in forth[:_COMPARED] for b in back[:_COMPARED]]
+        alike: list[float] = []
+        across: list[float] = []
+        # within each recording: a copy of another says nothing of how alike the ways of a body are
+        for _, same in groupby(numbers, key=lambda n: bisect.bisect_right(seen.breaks, traversals[n].start)):
+            own = list(same)
+            ways = [[n for n in own if traversals[n].reversed == side][:_COMPARED] for side in (False, True)]
+            alike += [_cost(seen, traversals, a, b) for way in ways for a, b in combinations(way, 2)]
+            across += [_cost(seen, traversals, a, b) for a, b in product(*ways)]
         if not alike or not across or float(np.median(across)) <= max(_UNLIKE * float(np.median(alike)), near.precise):
             continue
         first = back[0]
@@ -494,9 +528,7 @@ def _traceless(states: Sequence[ReadState], visits: Sequence[Visit], traversals:
     ends: dict[int, set[_PathEnd]] = {k: set() for k in range(len(states))}
     for visit, before, after in zip(visits[1:-1], traversals[:-1], traversals[1:], strict=True):
         if BREAK in (before.path, after.path):
-            # where a recording begins or ends the state shows
-            ends[visit.state].add((BREAK, False, False))
-            continue
+            continue  # no way through: as at the beginning and at the end of a recording by itself
         # an end of a path: which path, which of its ends, and on which side of the mirror, seen from the unmirrored state
         arriving = (before.path, not before.reversed, before.mirrored != visit.mirrored)
         leaving = (after.path, after.reversed, after.mirrored != visit.mirrored)
@@ -544,13 +576,16 @@ def self_symmetry(moments: Moments, stretches: Sequence[tuple[int, int]]) -> tup
     return float(np.diagonal(s, axis1=1, axis2=2).mean()), float(warped(s[:, :, ::-1]).mean())
 
 
-def _shadows(moments: Moments, states: Sequence[ReadState], visits: Sequence[Visit], near: Nearness) -> set[int]:
+def _shadows(
+    moments: Moments, states: Sequence[ReadState], visits: Sequence[Visit], near: Nearness, breaks: Sequence[int]
+) -> set[int]:
     """States that are only the slow parting or joining of ways at another: always just before or after it, and close by."""
     index = np.array([s.moment for s in states], dtype=np.intp)
     d, s = moments.between(index, index)
     apart = np.minimum(d, s)
     reach = 2 * ground.PARTING_S * moments.fps
     out: set[int] = set()
+    recording = [bisect.bisect_right(breaks, v.at) for v in visits]
     visited: list[list[int]] = [[] for _ in states]
     for i, visit in enumerate(visits):
         visited[visit.state].append(i)
@@ -563,7 +598,10 @@ def _shadows(moments: Moments, states: Sequence[ReadState], visits: Sequence[Vis
             for o in {
                 visits[j].state
                 for j in (i - 1, i + 1)
-                if 0 <= j < len(visits) and abs(visits[j].at - visits[i].at) <= reach and visits[j].state != k
+                if 0 <= j < len(visits)
+                and recording[j] == recording[i]
+                and abs(visits[j].at - visits[i].at) <= reach
+                and visits[j].state != k
             }:
                 beside[o] = beside.get(o, 0) + 1
         if any(
@@ -574,8 +612,8 @@ def _shadows(moments: Moments, states: Sequence[ReadState], visits: Sequence[Vis
     return out
 
 
-_Roles = dict[tuple[int, int], int]
-"""(cyclic stretch, role) to state."""
+_Roles = dict[tuple[int, int], tuple[int, bool]]
+"""(cyclic stretch, role) to state, and whether what is unmirrored in the stretch is the state's mirror image."""
 
 
 def _with_cyclic(
@@ -585,22 +623,24 @@ def _with_cyclic(
     roles: _Roles = {}
     for number, stretch in enumerate(cyclic):
         for role in sorted({a.role for a in stretch.anchors}):
-            index = np.array([a.moment for a in stretch.anchors if a.role == role and not a.mirrored], dtype=np.intp)
-            if not len(index):
-                index = np.array([a.moment for a in stretch.anchors if a.role == role], dtype=np.intp)
+            of_role = [a for a in stretch.anchors if a.role == role]
+            side = all(a.mirrored for a in of_role)
+            index = np.array([a.moment for a in of_role if a.mirrored == side], dtype=np.intp)
             symmetric = next(a.symmetric for a in stretch.anchors if a.role == role)
             d, _ = moments.between(index, index)
             moment = int(index[d.mean(axis=1).argmin()])
-            taken = [k for (n, _), k in roles.items() if n == number]
+            taken = [k for (n, _), (k, _) in roles.items() if n == number]
             candidates = [k for k, s in enumerate(states) if s.symmetric == symmetric and k not in taken]
             if candidates:
                 there = np.array([states[k].moment for k in candidates], dtype=np.intp)
-                distances = moments.between(np.array([moment]), there)[0][0]
+                straight, image = (block[0] for block in moments.between(np.array([moment]), there))
+                distances = np.minimum(straight, image)
                 best = int(distances.argmin())
                 if distances[best] < near.state:
-                    roles[number, role] = candidates[best]
+                    is_mirrored = bool(not symmetric and image[best] < straight[best])
+                    roles[number, role] = candidates[best], is_mirrored != side
                     continue
-            roles[number, role] = len(states)
+            roles[number, role] = len(states), side
             states = [*states, ReadState(moment, symmetric, True)]
     return states, roles
 
@@ -608,7 +648,7 @@ def _with_cyclic(
 def _without(states: Sequence[ReadState], roles: _Roles, gone: set[int]) -> tuple[list[ReadState], _Roles]:
     kept = [k for k in range(len(states)) if k not in gone]
     number = {k: i for i, k in enumerate(kept)}
-    return [states[k] for k in kept], {role: number[k] for role, k in roles.items()}
+    return [states[k] for k in kept], {role: (number[k], side) for role, (k, side) in roles.items()}
 
 
 def _cyclic_visits(
@@ -619,7 +659,8 @@ def _cyclic_visits(
     for number, stretch in enumerate(cyclic):
         ways = [((number, *leg.key), leg.reversed, leg.mirrored) for leg in stretch.legs]
         for anchor, way in zip(stretch.anchors, [*ways, None], strict=True):
-            visit = Visit(anchor.moment, anchor.moment + 1, anchor.moment, roles[number, anchor.role], anchor.mirrored)
+            state, side = roles[number, anchor.role]
+            visit = Visit(anchor.moment, anchor.moment + 1, anchor.moment, state, anchor.mirrored != side)
             keyed.append((visit, way))
     keyed.sort(key=lambda item: item[0].at)
     return [v for v, _ in keyed], {k: way for k, (_, way) in enumerate(keyed) if way is not None}
@@ -666,7 +707,7 @@ def read(
     cyclic : stretches whose states follow from their class (see `kinesics.grammar.cyclic`), in order, not overlapping.
     breaks : moments at which another recording begins.
     """
-    near = ground.judge_nearness(moments)
+    near = ground.judge_nearness(moments, breaks)
     inside = np.zeros(moments.count, dtype=np.bool_)
     for stretch in cyclic:
         first, last = stretch.anchors[0].moment, stretch.anchors[-1].moment
@@ -674,14 +715,12 @@ def read(
         inside[min(stretch.start, first) : max(stretch.end, last + 1)] = True
     marks: list[Mark] = []
     if not inside.all():
-        place = ground.localise(moments, near.same, progress)
-        edges = [Mark(t, False) for b in breaks for t in (b - 1, b)]
-        marks = [m for m in (*ground.find_marks(moments, place, near, breaks), *edges) if not inside[m.moment]]
+        marks = [m for m in ground.all_marks(moments, near, breaks, progress) if not inside[m.moment]]
     groups = _cluster(moments, marks, near.state, near.symmetric) if marks else []
     states = [_state_of(moments, group, near) for group in groups]
-    states = _refined(moments, states, near) if states else []
+    states = _refined(moments, states, near, breaks) if states else []
     states, roles = _with_cyclic(moments, states, cyclic, near)
-    fixed = set(roles.values())
+    fixed = {k for k, _ in roles.values()}
     symmetric = {number: stretch.symmetric for number, stretch in enumerate(cyclic)}
     seen = _Seen(moments, near.visit, breaks)
     while True:
@@ -691,10 +730,10 @@ def read(
             states = [_state_of(moments, [Mark(slowest, True)], near)]
         visits = [v for v in _visits(seen, states) if not inside[v.at]]
         visits, keys = _cyclic_visits(visits, cyclic, roles)
-        shadows = _shadows(moments, states, visits, near) - fixed
+        shadows = _shadows(moments, states, visits, near, breaks) - fixed
         if shadows:
             states, roles = _without(states, roles, shadows)
-            fixed = set(roles.values())
+            fixed = {k for k, _ in roles.values()}
             continue
         paths, traversals = _traverse(seen, states, visits, near, keys, symmetric, breaks)
         paths, traversals = _one_way(seen, visits, paths, traversals, near, keys)
@@ -704,6 +743,6 @@ def read(
             break
         # one at a time: two neighbours without trace may be each other's only trace
         states, roles = _without(states, roles, {min(drop)})
-        fixed = set(roles.values())
+        fixed = {k for k, _ in roles.values()}
     leads, tails = _ends(moments, visits, traversals, inside, breaks)
     return Reading(tuple(states), tuple(paths), tuple(visits), tuple(traversals), near, leads, tails)

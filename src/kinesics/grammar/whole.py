@@ -108,6 +108,7 @@ def read_grammar(
     # as it is read, from its beginning or from its end; the motifs take both directions together
     seen = direction.reversed_moments(read) if read.from_end else read
     report(0.05, "the class of the whole and of the phrases")
+    overall: Verdict | None
     overall, judged = _judge(seen, part(report, 0.05, 0.45))
     report(0.45, "motifs")
     recurring = motifs.find_motifs(read, part(report, 0.45, 0.7))
@@ -122,10 +123,7 @@ def read_grammar(
             states_and_paths = direction.reversed_reading(states_and_paths, read.count)
         graph = assembly.assemble(states_and_paths, read, name)
     if seen is not read:
-        overall, judged = (
-            direction.reversed_verdict(overall, read.source_frames),
-            _turned_round(judged, read.source_frames),
-        )
+        overall, judged = turned_round(overall, judged, read.source_frames)
     edited = judged if edits is None else _edited_phrases(read, judged, edits, source)
     report(1.0, "grammar read")
     return Grammar(
@@ -146,12 +144,11 @@ def _too_short(read: Moments) -> str:
     ).replace("1 frame are", "1 frame is")
 
 
-def judge(read: Moments) -> tuple[Verdict, list[JudgedPhrase]]:
+def judge(read: Moments) -> tuple[Verdict | None, list[JudgedPhrase]]:
     """The class of a recording as one path; and its phrases, each with its class."""
     if not read.from_end:
         return _judge(read)
-    overall, judged = _judge(direction.reversed_moments(read))
-    return direction.reversed_verdict(overall, read.source_frames), _turned_round(judged, read.source_frames)
+    return turned_round(*_judge(direction.reversed_moments(read)), read.source_frames)
 
 
 def _judge(read: Moments, progress: Progress = silent) -> tuple[Verdict, list[JudgedPhrase]]:
@@ -191,10 +188,12 @@ def _structures(
     return out
 
 
-def _turned_round(judged: Sequence[JudgedPhrase], frames: int) -> list[JudgedPhrase]:
-    """The phrases of a recording that was read from its end; kinds are numbered in order of appearance again."""
+def turned_round(
+    overall: Verdict | None, judged: Sequence[JudgedPhrase], frames: int
+) -> tuple[Verdict | None, list[JudgedPhrase]]:
+    """Class and phrases of a recording that was read from its other end; kinds are numbered in order of appearance again."""
     kinds: dict[int, int] = {}
-    return [
+    phrases_turned = [
         dataclasses.replace(
             p,
             start=frames - p.end,
@@ -204,6 +203,7 @@ def _turned_round(judged: Sequence[JudgedPhrase], frames: int) -> list[JudgedPhr
         )
         for p in reversed(judged)
     ]
+    return None if overall is None else direction.reversed_verdict(overall, frames), phrases_turned
 
 
 def _edited_phrases(read: Moments, judged: Sequence[JudgedPhrase], edits: Edits, source: int) -> list[JudgedPhrase]:
