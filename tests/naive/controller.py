@@ -58,15 +58,19 @@ def bent_way(places: Sequence[tuple[float, float]], bend: float) -> tuple[list[t
     return out, turns
 
 
-def seconds_to(network: Any, goals: Sequence[int]) -> list[float]:
-    """Seconds from each path's beginning until a goal begins, by relaxing every succession until nothing changes."""
+def seconds_to(network: Any, goals: Sequence[int], jump: float = 0.0) -> list[float]:
+    """Seconds from each path's beginning until a goal begins, by relaxing every succession until nothing changes.
+
+    A transition counts as ``jump`` seconds, times 1 + its cost.
+    """
     best = [0.0 if j in goals else math.inf for j in range(len(network.first))]
     changed = True
     while changed:
         changed = False
         for i in range(len(best)):
-            for j in network.indices[network.indptr[i] : network.indptr[i + 1]]:
-                way = network.duration[i] + best[j]
+            for e in range(network.indptr[i], network.indptr[i + 1]):
+                j, cost = network.indices[e], network.cost[e]
+                way = network.duration[i] + best[j] + (jump * (1.0 + cost) if cost > 0.0 else 0.0)
                 if i not in goals and way < best[i] - 1e-12:
                     best[i], changed = way, True
     return best

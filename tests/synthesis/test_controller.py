@@ -507,3 +507,22 @@ def test_real_walks_go_where_they_are_sent(shared_data: FilePath) -> None:
         assert nearest(course, x, z) <= 0.5, course.outcome
         ratios.append(course.length / 5.0)
     assert np.median(ratios) <= 1.5
+
+
+@pytest.mark.parametrize("beta", [0.0, 100.0, np.inf])
+def test_one_sets_out_at_once(net: Network, ready: Prospects, beta: float) -> None:
+    """With somewhere to go the first path is no standing; on a stroll it is any."""
+    opening = Controller(net, Target((0.0, 6.0)), beta=beta, prepared=ready).transition()
+    assert opening.probabilities.sum() == pytest.approx(1.0)
+    if beta:
+        assert opening.probabilities[STAND] < 0.1
+    else:
+        np.testing.assert_allclose(opening.probabilities, 0.25)
+    np.testing.assert_allclose(Controller(net, None, prepared=ready).transition().probabilities, 0.25)
+
+
+def test_starts_are_drawn_by_seed(net: Network, ready: Prospects) -> None:
+    """Other seeds begin otherwise, the same alike."""
+    firsts = [Controller(net, Target((0.0, 6.0)), seed=s % 20, prepared=ready).step().path for s in range(40)]
+    assert firsts[:20] == firsts[20:]
+    assert len(set(firsts)) > 1

@@ -347,3 +347,11 @@ def test_real_walks_come_to_their_target(shared_data: Path) -> None:
     assert made.nearest is not None
     assert made.nearest <= 0.5
     assert all(facts.sha256 for facts in made.sources)
+
+
+def test_a_target_that_no_way_leads_to_is_told_so() -> None:
+    """Straight walks alone, unbent, never come to a place behind the performer: more seconds or seeds are not what helps."""
+    straight = kx.performer.walk(seconds=10, fps=30).motion
+    done = kx.perform(straight, target=(0.0, -4.0), mirrored=False, bend=0.0, seconds=8)
+    (doubt,) = [w for w in done.warnings if "did not reach" in w]
+    assert "no way that these recordings could take leads there" in doubt

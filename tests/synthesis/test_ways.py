@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 
 import numpy as np
@@ -47,7 +48,25 @@ def test_the_shortest_way_follows_the_network(rng: np.random.Generator, by: str)
         assert after in network.successors(before)
     if by == "seconds":
         lasted = network.duration[way[:-1]].sum()
-        assert lasted == pytest.approx(min(naive.seconds_to(network, [7])[k] for k in (0, 1, 3)))
+        for before, after in itertools.pairwise(way):
+            edges = np.arange(network.indptr[before], network.indptr[before + 1])
+            cost = network.cost[edges[network.indices[edges] == after]].min()
+            lasted += ways.JUMP * (1.0 + cost) if cost > 0.0 else 0.0
+        assert lasted == pytest.approx(min(naive.seconds_to(network, [7], ways.JUMP)[k] for k in (0, 1, 3)))
+
+
+def test_what_was_recorded_is_travelled_rather_than_leapt_over() -> None:
+    """A leap of a fifth of a second is left out for two seconds of the recording, but not for many."""
+
+    def way(frames: int) -> list[int] | None:
+        paths = [Path("from", 4, 0.1, 0.0), Path("between", frames, 1.0, 0.0), Path("to", 4, 0.1, 0.0)]
+        made = floor_network(paths, {"from": ["between", "to"], "between": ["to"], "to": ["from"]})
+        cost = made.cost.copy()
+        cost[[0, 2]] = 0.0  # the recording goes on: from, between, to
+        return ways.shortest(dataclasses.replace(made, cost=cost), mask(made, 0), mask(made, 2))
+
+    assert way(40) == [0, 1, 2]
+    assert way(400) == [0, 2]
 
 
 def test_by_cost_a_longer_way_without_jumps_is_preferred() -> None:

@@ -74,7 +74,7 @@ def perform(
             metavar="S",
             rich_help_panel=_PANEL,
             show_default=False,
-            help="Go to this state by the quickest way (with --from).",
+            help="Go to this state (with --from) by the quickest way; a transition counts as 3 s.",
         ),
     ] = None,
     favour: Annotated[
@@ -84,7 +84,7 @@ def perform(
             metavar="WORD",
             rich_help_panel=_PANEL,
             show_default=False,
-            help="Much of this: a class, a state, a path, a recording.",
+            help="Much of this: a class, a state, a path, a recording. Beside a goal a soft pull only.",
         ),
     ] = None,
     seconds: Annotated[

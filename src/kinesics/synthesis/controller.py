@@ -43,6 +43,8 @@ BEND: Final = 5.0
 """Default greatest bend, degrees a metre: some 3.5° a step of walking."""
 HOLD: Final = 0.2
 """Seconds that a recording is kept before it is left again, where there is a choice."""
+OPENING: Final = 0.02
+"""Where to begin is drawn by E to this power: so that other seeds begin otherwise, and none by standing about."""
 LONGEST: Final = 24 * 3600.0
 """Seconds; nothing longer is performed in one go."""
 
@@ -136,7 +138,7 @@ class Controller:
     bend : greatest bend of the way, degrees a metre.
     hold : seconds that a recording is kept before it is left again, where there is a choice.
     seed : of everything drawn. The same network, goal and numbers give the same paths.
-    start : path to begin with; drawn if not given.
+    start : path to begin with. Drawn if not given: with a target or route by E too, so that one sets out at once; else any.
     position, heading : x, z in metres and radians, of the root at the first frame.
     stand : whether to go and stand still, where the network lets one, when the last target is reached.
     prepared : from `kinesics.synthesis.prospects.prospects`, to share between controllers of one network; it then decides how far
@@ -268,9 +270,7 @@ class Controller:
     def transition(self) -> Transition:
         """The row of P for the next decision."""
         if self.now.path < 0:
-            every = np.arange(len(self.network.first))
-            fixed = (every == self._start).astype(np.float64)
-            return Transition(every, np.full(len(every), 1.0 / len(every)) if self._start is None else fixed)
+            return self._opening()
         row = self._row()
         return Transition(row.paths, row.probabilities)
 
@@ -319,8 +319,8 @@ class Controller:
         if self._queue:
             return self._queue.pop(0), 0.0
         if now.path < 0:
-            path = self._start if self._start is not None else int(self._rng.integers(len(self.network.first)))
-            return path, 0.0
+            opening = self._opening()
+            return int(opening.paths[_drawn(opening.probabilities, self._rng)]), 0.0
         stop = self._stopping
         if stop is not None:
             goal = self._last_target()
@@ -329,8 +329,7 @@ class Controller:
                 if self._braking:
                     return stop.next(now.path, self._rng), 0.0
         row = self._row()
-        chosen = int(np.searchsorted(np.cumsum(row.probabilities), self._rng.random() * (1.0 - 1e-12)))
-        chosen = min(chosen, len(row.paths) - 1)
+        chosen = _drawn(row.probabilities, self._rng)
         composite = row.best(chosen)
         bend = 0.0
         if self._bend > 0.0:
@@ -364,13 +363,36 @@ class Controller:
         if planned is not None:
             least = np.where(paths == planned.paths[0], np.minimum(least, planned.miss), least)
         above = least - least.min()
+        return _Row(paths, self._chances(above), miss, groups, first, planned, self.prospects)
+
+    def _chances(self, above: Array) -> Array:
+        """E of misses from which the least was subtracted, made to sum to 1."""
         if np.isinf(self.beta):
             weight = (above <= 0.0).astype(np.float64)
+        elif self.beta:
+            weight = np.exp(-self.beta * above)
         else:
-            weight = (
-                np.exp(-self.beta * np.where(np.isinf(above), np.inf, above)) if self.beta else np.isfinite(above) * 1.0
-            )
-        return _Row(paths, weight / weight.sum(), miss, groups, first, planned, self.prospects)
+            weight = np.isfinite(above) * 1.0
+        return np.asarray(weight / weight.sum(), dtype=np.float64)
+
+    def _opening(self) -> Transition:
+        """Where to begin: the path given; else any, weighed by E where it is said whither to go."""
+        every = np.arange(len(self.network.first))
+        if self._start is not None:
+            return Transition(every, (every == self._start).astype(np.float64))
+        led = [p for p in self._pursuits if isinstance(p, TrailPursuit)]
+        miss = np.zeros(len(every))
+        if led:
+            # composites that begin with each path, behind whichever path
+            _, edge = np.unique(self.network.indices, return_index=True)
+            count = self.prospects.start[edge + 1] - self.prospects.start[edge]
+            group = np.cumsum(count) - count
+            rows = np.repeat(self.prospects.start[edge] - group, count) + np.arange(int(count.sum()))
+            trail = self.prospects.along(rows)
+            for pursuit in led:
+                bend = self._bend if pursuit.steers else 0.0
+                miss += np.minimum.reduceat(pursuit.weigh(trail, self.now, bend), group)
+        return Transition(every, self._chances(OPENING * (miss - miss.min())))
 
     def _misses(self, rows: slice) -> Array:
         miss = np.zeros(rows.stop - rows.start)
@@ -527,6 +549,11 @@ class _Row(NamedTuple):
         sequence = self.prospects.sequence[row]
         paths = tuple(sequence[sequence >= 0].tolist())
         return _Composite(paths, self.prospects.along(slice(row, row + 1)), miss)
+
+
+def _drawn(probabilities: Array, rng: np.random.Generator) -> int:
+    chosen = int(np.searchsorted(np.cumsum(probabilities), rng.random() * (1.0 - 1e-12)))
+    return min(chosen, len(probabilities) - 1)
 
 
 def _beside(head: NDArray[Any], then: NDArray[Any], rows: int) -> NDArray[Any]:

@@ -794,7 +794,8 @@ class StateToState:
     ----------
     begin : state in which the performance begins (underway: to which it goes first).
     end : state in which the way ends.
-    by : "seconds", or "cost" of the transitions (then seconds).
+    by : "seconds", every transition counting as `kinesics.synthesis.ways.JUMP` seconds and more, so that what was recorded is
+        travelled where it does not take much longer; or "cost" of the transitions (then seconds).
     """
 
     begin: str

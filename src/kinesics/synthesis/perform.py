@@ -90,8 +90,10 @@ def perform(
     target : x, z in metres from where the performer starts, facing +z.
     route : corners of a line on the floor to follow, shape (n, 2), x and z in metres from where the performer starts.
     from_state, to_state : states of the motion graph (`kinesics.graph` of the same recordings names them, such as "A", "A*" or
-        "X~"): begin in the one, and go to the other by the quickest way. The first alone is only where it begins.
-    favour : a class, a state or a path of the grammar, or the name of a recording, of which there is to be much.
+        "X~"): begin in the one, and go to the other by the quickest way, on which every transition counts as 3 seconds or more:
+        what was recorded between them is travelled rather than leapt over. The first alone is only where it begins.
+    favour : a class, a state or a path of the grammar, or the name of a recording, of which there is to be much. Beside a target
+        or route it is a soft pull only: of ways about as good the one with more of it is taken.
     goal : a goal, or several, of `kinesics.synthesis.goals`, or a feature of your own, in place of target and route.
     seconds : how long. With a goal at most, for it ends when that is attained. Without: 20, or what the goal may take.
     linger : with a goal, go on to the end of ``seconds``.
@@ -452,6 +454,15 @@ def _chosen(net: Network, parameters: Mapping[str, Any], bent: float) -> tuple[s
     )
 
 
+def _hopeless(piece: Piece, wish: _Wish, ahead: Prospects) -> bool:
+    """Whether no way to the target was found from where the performer began."""
+    assert wish.target is not None
+    x, z = wish.target.position
+    bend = math.radians(piece.parameters["bend"])
+    tables = ahead.to_go(wish.target.radius, bend)
+    return bool(tables.hopeless(piece.course.paths[:1], np.array([complex(z, x)]))[0])
+
+
 def _doubts(piece: Piece, wish: _Wish, ahead: Prospects, most: float, seconds: float | None) -> tuple[str, ...]:
     """What did not go as wished, and what helps."""
     out = [
@@ -466,6 +477,11 @@ def _doubts(piece: Piece, wish: _Wish, ahead: Prospects, most: float, seconds: f
             advice = (
                 f": {wish.metres:.1f} m at {pace:.2f} m/s, the fastest there is, take longer than {most:g} s; "
                 "give more seconds"
+            )
+        elif wish.target is not None and _hopeless(piece, wish, ahead):
+            advice = (
+                ": no way that these recordings could take leads there, however long; give recordings that turn more, or "
+                "allow more `bend`"
             )
         elif wish.target is not None or wish.route is not None:
             advice = (

@@ -137,7 +137,7 @@ class Prospects:
             self._to_go[asked] = to_go(self.trail, self.rows, self.reach, *asked)
         return self._to_go[asked]
 
-    def along(self, rows: slice) -> Trail:
+    def along(self, rows: slice | Indices) -> Trail:
         """The trails of some rows."""
         times, *others = self.trail
         return Trail(times if len(times) == 1 else times[rows], *(values[rows] for values in others))  # type: ignore[arg-type]

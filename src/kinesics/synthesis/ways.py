@@ -18,6 +18,9 @@ Indices = NDArray[np.intp]
 
 MEASURES: Final = ("seconds", "cost")
 """What a way can be shortest in."""
+JUMP: Final = 3.0
+"""Seconds that a transition of cost 0 counts for on the shortest way, one of cost 1 twice as many: rather than leap from state to
+state, which lie near each other where transitions do, one travels what was recorded, if that takes no longer than so."""
 UNREACHABLE: Final = 1e4
 """Seconds put for a way that does not exist."""
 SLOW: Final = 0.1
@@ -46,11 +49,16 @@ def next_towards(network: Network, goals: Mask) -> Indices:
 
 
 def shortest(network: Network, origins: Mask, goals: Mask, *, by: str = "seconds") -> list[int] | None:
-    """Paths of the shortest way from an origin path to a goal path, both included; None if there is no way."""
+    """Paths of the shortest way from an origin path to a goal path, both included; None if there is no way.
+
+    Parameters
+    ----------
+    by : "seconds", every transition counting as `JUMP` and more; or "cost" of the transitions, then seconds.
+    """
     from scipy.sparse.csgraph import dijkstra
 
     far, after, _ = dijkstra(
-        _backwards(network, by), indices=np.flatnonzero(goals), min_only=True, return_predecessors=True
+        _backwards(network, by, JUMP), indices=np.flatnonzero(goals), min_only=True, return_predecessors=True
     )
     # a way ends when its goal path has been played
     candidates = np.flatnonzero(origins & np.isfinite(far))
@@ -93,10 +101,13 @@ def _forwards(network: Network, values: Array) -> csr_array:
     return csr_array((values, np.asarray(network.indices), np.asarray(network.indptr)), shape=(paths, paths))
 
 
-def _backwards(network: Network, by: str) -> csr_array:
-    """The reversed graph: from each path to those that come before it; leaving a path costs what it lasts."""
+def _backwards(network: Network, by: str, jump: float = 0.0) -> csr_array:
+    """The reversed graph: from each path to those that come before it; leaving a path costs what it lasts, and a transition
+    ``jump`` seconds or more.
+    """
     duration = np.asarray(network.duration, dtype=np.float64)
+    cost = np.asarray(network.cost, dtype=np.float64)
     values = np.repeat(duration, np.diff(network.indptr))
-    if by == "cost":
-        values = 1e-6 * values + np.asarray(network.cost, dtype=np.float64)
+    leaps = np.where(cost > 0.0, jump * (1.0 + cost), 0.0)
+    values = 1e-6 * values + cost if by == "cost" else values + leaps
     return _forwards(network, values).T.tocsr()
