@@ -47,11 +47,11 @@ def test_the_least_is_found(rng: np.random.Generator) -> None:
 def test_a_bearing_foot_stays(rng: np.random.Generator) -> None:
     """What a sole slides while it bears is taken away, to less than a millimetre a contact."""
     slid, grip, _, press, leg = walk(rng, 64)
-    height = np.broadcast_to(np.array([0.01, -0.01]), (64, 2))
+    height = np.broadcast_to(np.array([0.02, -0.02]), (64, 2))
     found = footing.footing(slid, grip, height, press, leg, USUAL, FPS, Bounds.none(64))
     left = np.diff(found.feet[..., [0, 2]], axis=0) + slid
     assert np.abs(left[grip > 0.0]).sum() / 8 < 1e-3
-    assert np.abs((found.feet[..., 1] + height)[press > 0.0]).max() < 0.006
+    assert np.abs((found.feet[..., 1] + height)[press > 0.0]).max() < 0.015
 
 
 def test_nothing_is_asked_nothing_is_added(rng: np.random.Generator) -> None:

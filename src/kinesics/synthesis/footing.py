@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 SLIP: Final = 0.0005
 """m/s over the floor that weigh as much as the accelerations below."""
-HEIGHT: Final = 0.003
+HEIGHT: Final = 0.006
 """Metres above the floor that do."""
 GENTLE: Final = 10.0
 """m/s²: of a foot."""

@@ -5,11 +5,12 @@
 2. At every cut the offset of pose, height and tilt is taken away over a short time (`kinesics.synthesis.blending`), over a
    time that accelerates nothing more than the recordings do.
 3. Feet that bear stay where they are (after Kovar, Schreiner & Gleicher 2002). Their data tell which part of the sole bears:
-   the lower a point, the more (heel, then ball, then tip). What the bearing part slides is added up and taken off the
-   ankle's place, whole while the foot bears, and given back while it swings, so that the ankle's way is as smooth as it
-   was. The lowest point of a bearing sole is put on the floor, and none is let below it. Where a leg cannot reach so far,
-   the pelvis is lowered a little, before and after too.
-4. Legs reach by inverse kinematics; feet keep their orientation.
+   the lower a point, the more (heel, then ball, then tip). What is added to the places of feet and body, so that bearing
+   soles neither slide nor hover and nothing is accelerated more than need be, is sought for all frames at once
+   (`kinesics.synthesis.footing`). No sole is let below the floor.
+4. Legs reach by inverse kinematics; feet keep their orientation. A joint that would go beyond its range in the recordings is
+   put back, a leg that would go deeper into the other than it ever does is moved aside, and the body goes along as far as it
+   can (steps 3 and 4 again); what is left a foot slides: range first.
 
 `LiveRenderer` does the same frame by frame, knowing only the past.
 """
@@ -63,14 +64,10 @@ SHORTEST_GAP: Final = 0.13
 """Seconds: at a transition no foot is lifted for less."""
 SHORTEST_CONTACT: Final = 0.06
 """Seconds: at a transition no foot is set down for less."""
-GENTLE: Final = 10.0
-"""m/s²: what a swinging foot may be accelerated by on its way to another place than the recording's."""
 SOFTLY: Final = 0.05
 """Seconds before and after over which the height of a foot is corrected: less than a step, more than a marker's tremble."""
 SUNK: Final = 0.004
 """Metres below the floor that are let pass: a sole gives way."""
-TOLERATED: Final = 0.01
-"""Metres that a foot stands beside its place in the recording which weigh as much as `GENTLE` in the air."""
 ROUNDS: Final = 4
 """Most times that feet are planted, joints put back that were bent too far, and planted again as far as these go."""
 _LEGS: Final = {"left", "right", "femur", "tibia"}
@@ -82,8 +79,6 @@ radii are known no better (`kinesics.body.limits.DEPTH_TOLERANCE`)."""
 _NOTHING: Final = np.deg2rad(0.2)
 YIELD: Final = 0.1
 """Seconds before and after over which a joint goes back that would go beyond its range."""
-LEAN: Final = 0.15
-"""Seconds before and after over which the body follows what its feet were moved by."""
 _FLIGHT: Final = 0.05
 """What weighs for no shift at all, so that a body in flight comes back."""
 SINK: Final = 0.15
@@ -524,9 +519,7 @@ def _blend(stage: Stage, laid: _Laid) -> _Blended:
     return _Blended(rotations, roots, weight)
 
 
-def _within_range(
-    stage: Stage, rotations: Array, joints: Indices, where: Mask | None = None, free: Array | None = None
-) -> None:
+def _within_range(stage: Stage, rotations: Array, joints: Indices, where: Mask | None = None) -> None:
     """Put joints back into the range that they have in the recordings, over a stretch of time rather than at once.
 
     Parameters
@@ -534,8 +527,6 @@ def _within_range(
     rotations : shape (frames, joints, 4); changed in place.
     joints : numbers of those looked at.
     where : frames in which a joint can be beyond at all.
-    free : 0 where a joint must stay as it is, 1 where it may be put back, shape (frames, joints looked at); everywhere if not
-        given, and then no joint is beyond its range afterwards.
     """
     reach = max(1, round(YIELD * stage.repertoire.fps))
     frames = np.arange(len(rotations)) if where is None else np.nonzero(where)[0]
@@ -549,12 +540,7 @@ def _within_range(
             over[0, frames] = np.maximum(vectors[:, n, axis] - high[n, axis], 0.0)
             over[1, frames] = np.maximum(low[n, axis] - vectors[:, n, axis], 0.0)
             back = envelope(over[0], reach) - envelope(over[1], reach)
-            if free is None:
-                at[:, axis] = np.where(
-                    back != 0.0, np.clip(at[:, axis] - back, low[n, axis], high[n, axis]), at[:, axis]
-                )
-            else:
-                at[:, axis] -= back * free[:, n]
+            at[:, axis] = np.where(back != 0.0, np.clip(at[:, axis] - back, low[n, axis], high[n, axis]), at[:, axis])
         rotations[:, joints[n]] = blending.add_rotation(middle[n], at)
 
 
