@@ -24,11 +24,11 @@ def walking(**turns: float) -> Network:
 
 
 def seconds(ahead: ToGo, x: float, z: float) -> float:
-    return float(ahead.after(np.zeros(1, dtype=np.intp), np.array([complex(z, x)]))[0])
+    return float(ahead.after(np.zeros(1, dtype=np.intp), np.array([complex(z, x)]), np.zeros(1, dtype=np.float32))[0])
 
 
 def hopeless(ahead: ToGo, x: float, z: float) -> bool:
-    return bool(ahead.hopeless(np.zeros(1, dtype=np.intp), np.array([complex(z, x)]))[0])
+    return ahead.hopeless(0, complex(z, x))
 
 
 @pytest.mark.parametrize("metres", [1.0, 2.5, 4.0, 7.0, 20.0])

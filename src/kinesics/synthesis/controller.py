@@ -481,18 +481,18 @@ class Controller:
         if len(composite.paths) < 2 or not any(isinstance(p, TrailPursuit) for p in self._pursuits):
             return None
         path, trail = composite.paths[0], composite.trail
-        left = trail.times[0] > self._duration[path] + 1e-4
-        places = (trail.places[:, left] - self._displacement[path]) * np.exp(-1j * self._turn[path])
-        strides = np.diff(places, axis=1, prepend=np.complex64(0.0))
-        travelled = np.maximum(trail.travelled[:, left] - np.float32(self._walked[path]), np.float32(0.0))
-        swerve = np.cumsum(1j * (travelled - np.abs(strides) / 2.0) * strides, axis=1)
+        done = int(np.searchsorted(trail.times[0], self._duration[path] + 1e-4, side="right"))
+        walked, back = np.float32(self._walked[path]), np.complex64(np.exp(-1j * self._turn[path]))
+        places = (trail.places[:, done:] - np.complex64(self._displacement[path])) * back
+        # see `_continued`, the other way round
+        swerve = (trail.swerve[:, done:] - np.complex64(self._swerve_at((path,)))) * back - 1j * walked * places
         rest = Trail(
-            trail.times[:, left] - np.float32(self._duration[path]),
-            places.astype(np.complex64),
-            trail.headings[:, left] - np.float32(self._turn[path]),
-            travelled,
+            trail.times[:, done:] - np.float32(self._duration[path]),
+            places,
+            trail.headings[:, done:] - np.float32(self._turn[path]),
+            np.maximum(trail.travelled[:, done:] - walked, np.float32(0.0)),
             swerve.astype(np.complex64),
-            trail.playing[:, left],
+            trail.playing[:, done:],
         )
         return composite._replace(paths=composite.paths[1:], trail=rest)
 

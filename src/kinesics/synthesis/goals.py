@@ -52,8 +52,6 @@ BENDS: Final = 9
 """Ways of bending what is decided for that are compared, where the target lies beyond it."""
 LATE: Final = 0.5
 """How much a metre that could have been walked meanwhile weighs beside a metre from the target, where it is met."""
-FASTEST: Final = 2.0
-"""Times as far as `Prospects.reach` that no composite leads."""
 FACING: Final = 1.5
 """How much turning towards a target weighs, beside the metres walked while turning so far."""
 ALONG: Final = 0.3
@@ -370,7 +368,7 @@ class ToPlaces(_Seeking):
         """
         target = np.complex64((self.goal - now.place) * np.exp(-1j * now.heading))
         straight = max(float(abs(target)) - self._radius, 0.0)
-        if straight > FASTEST * self._reach:
+        if straight > self._all.farthest + most * self._all.widest:
             met, bent = _NOWHERE, _NOWHERE
         else:
             gap = trail.places - target
@@ -383,7 +381,7 @@ class ToPlaces(_Seeking):
         there = trail.places[:, -1] + bend * trail.swerve[:, -1]
         turned = trail.headings[:, -1] + bend * trail.travelled[:, -1]
         seconds = trail.times[:, -1] + self._all.to_go(self._radius, most).after(
-            trail.playing[:, -1], (target - there) * np.exp(-1j * turned)
+            trail.playing[:, -1], target - there, turned
         )
         late = LATE * np.maximum(self._pace * seconds - straight, 0.0)
         return met, late**2 + (self._radius / 2.0) ** 2, bent

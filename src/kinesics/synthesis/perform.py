@@ -460,7 +460,7 @@ def _hopeless(piece: Piece, wish: _Wish, ahead: Prospects) -> bool:
     x, z = wish.target.position
     bend = math.radians(piece.parameters["bend"])
     tables = ahead.to_go(wish.target.radius, bend)
-    return bool(tables.hopeless(piece.course.paths[:1], np.array([complex(z, x)]))[0])
+    return tables.hopeless(int(piece.course.paths[0]), complex(z, x))
 
 
 def _doubts(piece: Piece, wish: _Wish, ahead: Prospects, most: float, seconds: float | None) -> tuple[str, ...]:

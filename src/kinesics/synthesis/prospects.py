@@ -120,6 +120,16 @@ class Prospects:
         return float(np.quantile(np.maximum.reduceat(far, self.start[:-1]), 0.9))
 
     @cached_property
+    def farthest(self) -> float:
+        """Metres: no composite leads farther while it is looked at."""
+        return float(np.abs(self.trail.places).max())
+
+    @cached_property
+    def widest(self) -> float:
+        """Metres by which a composite is moved at most, if it is bent by 1 radian a metre."""
+        return float(np.abs(self.trail.swerve).max())
+
+    @cached_property
     def spread(self) -> float:
         """Metres: standard deviation of where composites end."""
         return float(np.std(self.trail.places[:, -1])) or 1.0

@@ -63,14 +63,14 @@ class ToGo:
     detour: float
     """Seconds more than straight on: for what takes longer no way was found."""
 
-    def hopeless(self, paths: Indices, target: Complexes) -> NDArray[np.bool_]:
-        """Whether no way was found to a target, seen as in `after`."""
-        straight = np.sqrt(_square(target)) / np.float32(self.pace)
-        return np.asarray(self.after(paths, target) > straight + np.float32(self.detour))
+    def hopeless(self, path: int, target: complex) -> bool:
+        """Whether no way was found to a target z + i·x metres away, seen by one who has just played a path."""
+        seconds = self.after(np.array([path]), np.array([target], dtype=np.complex64), np.zeros(1, dtype=np.float32))
+        return bool(seconds[0] > abs(target) / self.pace + self.detour)
 
-    def after(self, paths: Indices, target: Complexes) -> Floats:
-        """Seconds to a target z + i·x metres away, seen by one who has just played each path."""
-        entry, part, slant, beyond = _spot(self.kind[paths], target)
+    def after(self, paths: Indices, target: Complexes, turned: Floats) -> Floats:
+        """Seconds to targets z + i·x metres away, for those who have just played each path and are turned by so many radians."""
+        entry, part, slant, beyond = _spot(self.kind[paths], target, turned)
         flat, width = self.seconds.ravel(), BEARINGS + 1
         near, far = flat[entry], flat[entry + width]
         near += slant * (flat[entry + 1] - near)
@@ -110,8 +110,7 @@ def to_go(trail: Trail, first: Indices, reach: float, radius: float, bend: float
     for k in range(len(times) - 1, -1, -1):
         square = _square(targets - places[:, k, None])
         met[square <= within**2] = times[k]
-    seen = (targets - places[:, -1, None]) * np.exp(-1j * turned)[:, None].astype(np.complex64)
-    spot = _spot(end[:, None], seen)
+    spot = _spot(end[:, None], targets - places[:, -1, None], turned[:, None])
     shape = (len(chosen), len(knots), BEARINGS)
     mixing = _mixing(spot, len(chosen) * len(knots) * (BEARINGS + 1))
     pace = max(reach / horizon, 1e-3)
@@ -175,11 +174,12 @@ class _Spot(NamedTuple):
     beyond: Floats
 
 
-def _spot(kind: Indices, target: Complexes) -> _Spot:
+def _spot(kind: Indices, target: Complexes, turned: Floats) -> _Spot:
     away = np.sqrt(_square(target))
     step = np.minimum(np.log1p(away) * np.float32(PER_FOLD), np.float32(len(KNOTS) - 1.001))
-    turn = np.arctan2(target.imag, target.real) * np.float32(BEARINGS / (2.0 * np.pi))
-    turn = np.where(turn < 0.0, turn + np.float32(BEARINGS), turn)
+    turn = (np.arctan2(target.imag, target.real) - turned) * np.float32(1.0 / (2.0 * np.pi))
+    turn -= np.floor(turn)
+    turn *= np.float32(BEARINGS)
     low, sector = np.floor(step), np.minimum(np.floor(turn), np.float32(BEARINGS - 1))
     entry = (kind * len(KNOTS) + low.astype(np.int32)) * (BEARINGS + 1) + sector.astype(np.int32)
     beyond = np.maximum(away - np.float32(KNOTS[-1]), np.float32(0.0))
