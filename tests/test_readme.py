@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import kinesics as kx
+from kinesics.cli.analyze import summarize
 from kinesics.cli.app import run
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -52,6 +53,14 @@ def test_commands_run_one_after_another(folder: Path, capsys: pytest.CaptureFixt
         assert run(words[1:]) == 0, capsys.readouterr().err
         assert capsys.readouterr().out
     assert (folder / "walk.bvh-kinesics" / "report.html").exists()
+
+
+def test_what_analyze_is_said_to_print_is_what_it_prints(capsys: pytest.CaptureFixture[str]) -> None:
+    """The lines on the jumping jacks."""
+    promised = re.findall(r"jumping jacks:\n\n```text\n(.*?)^```$", README, re.MULTILINE | re.DOTALL)[0].splitlines()
+    summarize(kx.analyze(kx.performer.jumping_jacks(seconds=6).motion))
+    printed = capsys.readouterr().out.splitlines()
+    assert [line for line in promised if line not in printed] == []
 
 
 @pytest.mark.parametrize("page", ["README.md", "ARCHITECTURE.md", "CONVENTIONS.md", "CHANGELOG.md"])

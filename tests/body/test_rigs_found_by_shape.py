@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 import kinesics as kx
-from kinesics.body import conventions
+from kinesics.body import anatomy, conventions
 from kinesics.geometry import quaternion
 
 RIGS = [
@@ -41,6 +41,18 @@ def test_a_real_rig_without_names_reads_the_same(rig: str, shared_data: Path) ->
     """Collar bones are not taken for arms nor left for right: the poses are those of the named file."""
     motion = sample(shared_data / rig)
     assert difference(nameless(motion), motion) < 1e-6
+
+
+@pytest.mark.parametrize("rig", RIGS)
+@pytest.mark.parametrize("role", ["right_femur", "left_radius", "head"])
+def test_one_joint_that_is_named_otherwise_is_found_by_shape(rig: str, role: str, shared_data: Path) -> None:
+    """The other names and the shape agree, so the poses are those of the named file; that the shape told is stated."""
+    motion = sample(shared_data / rig)
+    names = list(motion.skeleton.joint_names)
+    names[getattr(anatomy.resolve(motion).roles, role)] = "Foo"
+    renamed = motion.replace(skeleton=motion.skeleton.replace(joint_names=tuple(names), anatomy=None))
+    assert difference(renamed, motion) < 1e-6
+    assert any("shape" in a for a in anatomy.resolve(renamed).assumptions)
 
 
 @pytest.mark.parametrize("rig", RIGS)

@@ -174,6 +174,8 @@ def test_splits_merges_and_names_work_together(kata: MotionGraph) -> None:
         ('states.join = ["A"]', r"Unknown key 'join' in \[states\]. Keys: rename, merge, split"),
         ("states.rename = { A = 3 }", r"Expected a text for 'A' in \[states\] rename, got 3"),
         ('states.merge = [ { keep = "A" } ]', r"Expected the key 'with' in states.merge\[0\]"),
+        ('[states]\nA = "guard"', r'Unknown key .A. in \[states\].*For example: rename = \{ A = "guard"'),
+        ('[phrases]\n3 = "bow"', r"For example: rename = \[ \{ frame = 100"),
         ('states.merge = [ "A" ]', r"Expected a table with keep, with at states.merge\[0\]"),
         ('states.split = [ { state = "A", into = "B", frames = ["x"] } ]', "Expected a list of frames"),
         ('states.split = [ { state = "A", frames = [3] } ]', "Expected the key 'into'"),

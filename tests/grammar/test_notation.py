@@ -113,7 +113,18 @@ def test_mirroring_a_label_twice_gives_it_back() -> None:
 
 @pytest.mark.parametrize(
     ("label", "shown"),
-    [("A", "A"), ("A*", "A*"), ("X~", "X̄"), ("ab_1", "ab₁"), ("(ab_12)*", "(ab₁₂)*"), ("xy~_1", "x̄ȳ₁")],
+    [
+        ("A", "A"),
+        ("A*", "A*"),
+        ("X~", "X̄"),
+        ("ab_1", "ab₁"),
+        ("(ab_12)*", "(ab₁₂)*"),
+        ("xy~_1", "x̄ȳ₁"),
+        ("X1~", "X̄₁"),
+        ("A12*", "A₁₂*"),
+        ("attention~", "attention~"),
+        ("attention-x~_1", "attention-x~₁"),
+    ],
 )
 def test_people_see_bars_and_subscripts(label: str, shown: str) -> None:
     """The label as the dissertation prints it."""

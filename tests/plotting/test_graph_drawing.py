@@ -14,7 +14,7 @@ import kinesics as kx
 import kinesics.performer as performer
 from kinesics import plotting
 from kinesics.errors import InputError
-from kinesics.grammar.graph import MotionGraph, Path, State, build
+from kinesics.grammar.graph import MotionGraph, Occurrence, Path, Source, State, build
 from kinesics.plotting.canvas import figure_bytes
 from kinesics.plotting.graph_drawing import label_text
 from kinesics.plotting.graph_layout import Place, lay_out, widest_gap
@@ -153,6 +153,22 @@ def test_an_index_is_shown_where_it_says_something() -> None:
     assert {"xa₁", "xa₂", "ab"} <= set(texts)
 
 
+def test_labels_of_mirror_images_agree() -> None:
+    """Where one of two mirror images needs its index, the other shows it too."""
+    seen = (Occurrence(0, 0, 10), Occurrence(0, 10, 20), Occurrence(0, 20, 30))
+    graph = build(
+        [State(0, mirror_of=1), State(1, mirror_of=0)],
+        [
+            Path(0, from_=0, to=0, mirror_of=1, occurrences=seen[:1]),
+            Path(1, from_=1, to=1, mirror_of=0, inferred=True),
+            Path(2, from_=0, to=0, occurrences=seen[1:]),
+        ],
+        [Source("turns", 30, 30.0)],
+    )
+    assert {p.label for p in graph.paths} == {"aa_1", "(aa_1)*", "aa_2"}
+    assert {"aa₁", "(aa₁)*", "aa₂"} <= set(_texts(plotting.graph_plot(graph)))
+
+
 @pytest.mark.parametrize(
     ("label", "shown"),
     [
@@ -232,7 +248,8 @@ def test_strips_show_every_path_that_is_known() -> None:
     graph = graph_of(performance.truth).racemic()
     ax = plotting.path_strips(graph, [performance.motion], moments=5)
     assert len(ax.collections) == 10
-    assert {"aa", "(aa)*", "→"} <= set(_texts(ax))
+    assert {"aa", "(aa)*"} <= set(_texts(ax))
+    assert [text[0] for text in _texts(ax) if text.endswith(("×", "mirrored"))] == ["→", "→"]
     assert any("mirrored" in t for t in _texts(ax))
     one = plotting.path_strips(graph, [performance.motion], paths=["aa_1"], moments=5)
     assert len(one.collections) == 5

@@ -24,6 +24,7 @@ from kinesics.grammar.graph import MotionGraph, Occurrence, State, Stay
 from kinesics.grammar.graph import Path as GraphPath
 from kinesics.grammar.graph import Source as GraphSource
 from kinesics.report import folder as folder_module
+from kinesics.report import pictures
 from kinesics.report.graph_files import graphml
 
 PROMISED = {
@@ -256,6 +257,39 @@ def test_several_sources_share_one_folder(tmp_path: Path) -> None:
     kx.save(analysis, tmp_path / "out")
     assert kx.load(tmp_path / "out") == analysis
     assert _page(tmp_path / "out").text.count("a.bvh") >= 2
+
+
+def test_the_page_says_which_recording_is_which(tmp_path: Path) -> None:
+    """Two of one name: numbered, each with its stretch of the common time; kinds are counted recording by recording."""
+    walk = bodies.legs_striding(90, file_name="walk.bvh")
+    kx.save(kx.analyze([walk, walk]), tmp_path / "two")
+    text = _page(tmp_path / "two").text
+    one, two = f"{walk.duration:.2f}", f"{2 * walk.duration:.2f}"
+    assert f"walk.bvh (1) from 0.00 to {one} s, walk.bvh (2) from {one} to {two} s" in text
+    assert "Phrases of one recording that are of one kind" in text
+
+
+def test_every_path_has_a_strip_and_twins_share_one() -> None:
+    """Of two mirror images the one that is done more often stands for both; beyond the most, the frequent ones are kept."""
+    chain = [Occurrence(0, k, k + 1) for k in range(6)]
+    states = tuple(State(k, label, mirror_of=1 - k) for k, label in enumerate(("A", "A*")))
+    paths = (
+        GraphPath(0, "aa_1", 0, 0, 1, mirror_of=1, occurrences=(chain[0],)),
+        GraphPath(1, "(aa_1)*", 1, 1, 1, mirror_of=0, occurrences=tuple(chain[2:6])),
+        GraphPath(2, "aa*_1", 0, 1, 1, occurrences=(chain[1],)),
+    )
+    graph = MotionGraph(states, paths, (GraphSource("a", 6, 30.0),))
+    assert pictures.strip_paths(graph) == ([1, 2], 0)
+    many = MotionGraph(
+        (State(0, "A"),),
+        tuple(
+            GraphPath(k, f"aa_{k + 1}", 0, 0, k + 1, occurrences=(Occurrence(0, k, k + 1),))
+            for k in range(pictures.MOST_STRIPS + 5)
+        ),
+        (GraphSource("a", pictures.MOST_STRIPS + 5, 30.0),),
+    )
+    shown, left_out = pictures.strip_paths(many)
+    assert (len(shown), left_out) == (pictures.MOST_STRIPS, 5)
 
 
 def test_tables_have_headers(saved: tuple[kx.Analysis, Path]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import pytest
@@ -10,6 +11,9 @@ from hypothesis import strategies as st
 
 import kinesics as kx
 from kinesics.analysis import facts
+from kinesics.grammar.graph import MotionGraph, Occurrence, State, Stay
+from kinesics.grammar.graph import Path as GraphPath
+from kinesics.grammar.graph import Source as GraphSource
 from kinesics.report import words
 from kinesics.vocabulary import MovementClass
 
@@ -118,6 +122,39 @@ def test_strikes_and_differences_of_the_sides_are_noteworthy(jacks: kx.Analysis)
     said = words.surprises(changed)
     assert any("forearms (31°)" in s for s in said)
     assert any(s.startswith("1 strike") and "1.0 s" in s for s in said)
+
+
+def test_a_half_that_mirrors_the_other_is_noteworthy() -> None:
+    """The kata's second half is its first in the mirror: said with both times; a walk, which is so cycle by cycle, is not."""
+    kata = kx.analyze(kx.performer.perform("kata", noise_degrees=0.2, noise_kind="smooth").motion)
+    said = [s for s in words.surprises(kata) if "mirror image" in s]
+    assert len(said) == 1
+    second, first = (tuple(map(float, pair)) for pair in re.findall(r"([0-9.]+)-([0-9.]+) s", said[0]))
+    assert second[0] - first[0] == pytest.approx(kata.sources[0].duration_s / 2, abs=1.0)
+    assert second[1] - first[1] == pytest.approx(kata.sources[0].duration_s / 2, abs=1.0)
+    walk = kx.analyze(kx.performer.walk(seconds=6).motion)
+    assert not any("mirror image" in s for s in words.surprises(walk))
+
+
+def test_rest_and_lingering_are_two_things(jacks: kx.Analysis) -> None:
+    """Where a graph has stays that are no rests, the line says both."""
+    source = GraphSource("a", jacks.sources[0].frames, jacks.sources[0].fps)
+    half = source.frames // 2
+    held = MotionGraph(
+        (State(0, "A", stays=(Stay(0, 0, half),)),),
+        (GraphPath(0, "aa_1", 0, 0, 1, occurrences=(Occurrence(0, half, source.frames),)),),
+        (source,),
+    )
+    assert "at rest 0% of the time (it lingers in poses of the graph, if only for a moment, 50% of" in words.stillness(
+        replace(jacks, graph=held, stillness=()), 0
+    )
+    assert "lingers" not in words.stillness(replace(jacks, graph=MotionGraph(), stillness=()), 0)
+
+
+def test_recordings_of_one_name_are_told_apart(jacks: kx.Analysis) -> None:
+    """Numbered; a name that stands alone stays as it is."""
+    named = [replace(jacks.sources[0], name=n) for n in ("a.bvh", "b.bvh", "a.bvh")]
+    assert words.source_names(replace(jacks, sources=tuple(named))) == ("a.bvh (1)", "b.bvh", "a.bvh (2)")
 
 
 def test_a_graph_is_counted(jacks: kx.Analysis) -> None:

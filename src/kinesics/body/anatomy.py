@@ -247,6 +247,7 @@ def _attach_frames(
         how = "the rest pose is no human pose: anatomical frames from bones, hip and shoulder line and the bend of knees and elbows"
     naming = {
         "shape": "joint names tell nothing: links found by the skeleton's shape, left and right by the way the knees bend",
+        _roles.BOTH: "links by joint names; those without a telling name by the skeleton's shape, which agrees with the names",
         "mapping": "links as the mapping says",
     }.get(roles.naming, f"links by joint names ({roles.naming})")
     frames = _frames_beyond_links(skeleton, roles, frames, positions, world, rests=rested is not None)

@@ -25,6 +25,8 @@ from kinesics.errors import InputError, SkeletonError
 Array = NDArray[np.float64]
 
 LIMB_ROLES: Final = ("femur", "tibia", "foot", "humerus", "radius", "hand")
+BOTH: Final = "names and shape"
+"""The naming of a skeleton whose names tell most links and whose shape tells the others."""
 _TOLD: Final = 0.01
 """Of a leg's length: toes and knees that point forward by less do not tell left from right."""
 REQUIRED: Final = (
@@ -55,7 +57,8 @@ class Roles:
     """Joint indices of the parts of a human body."""
 
     naming: str
-    """The naming recognised, such as "cmu-asf"; "shape" where names told nothing; "mapping" where the user said."""
+    """The naming recognised, such as "cmu-asf"; "shape" where names told nothing, `BOTH` where they did not tell all; "mapping"
+    where the user said."""
     pelvis: int
     spine: tuple[int, ...]
     """From above the pelvis up to and including the chest."""
@@ -290,7 +293,7 @@ def identify(skeleton: Skeleton, positions: Array | None = None, mapping: Mappin
 
     Parameters
     ----------
-    positions : world positions in a y-up world, shape (frames, joints, 3): needed only where names tell nothing.
+    positions : world positions in a y-up world, shape (frames, joints, 3): needed only where names do not tell all.
     mapping : role to joint name (the table ``[joints]`` of a mapping file, or the file's whole table).
 
     Raises
@@ -310,11 +313,14 @@ def identify(skeleton: Skeleton, positions: Array | None = None, mapping: Mappin
             missing=missing,
         )
     absent = [role for role in REQUIRED if role not in found]
-    if absent and positions is not None and len(absent) >= len(REQUIRED) - 3:
-        # names tell (next to) nothing, as against a body of which a part is not there
-        shape = by_shape(skeleton, positions)
-        if shape is not None:
+    shape = by_shape(skeleton, positions) if absent and positions is not None else None
+    if shape is not None:
+        if len(absent) >= len(REQUIRED) - 3:
+            # names tell (next to) nothing, as against a body of which a part is not there
             return complete(skeleton, {**shape, **told}, "shape")
+        if all(shape[role] == found[role] for role in REQUIRED if role in found):
+            # a joint or two are named otherwise, and the shape says of all the others what their names say
+            return complete(skeleton, {**{role: shape[role] for role in absent}, **found}, BOTH)
     return complete(skeleton, found, "mapping" if told else naming_of(skeleton))
 
 

@@ -78,8 +78,16 @@ def analyze(
     """Compare all moments of a recording with all others and their mirror images; leave a report.
 
     The report is a folder: report.html to look at, analysis.json for programs, pictures and tables.
-    With --json and without --out nothing is written. What you know better (names of states, paths and phrases, what is one
-    and what is two) stands in a side file, FILE.edits.toml, and is done again at every analysis.
+    With --json and without --out nothing is written.
+
+    What you know better (names of states, paths and phrases, what is one and what is two) stands in a side file,
+    FILE.edits.toml, and is done again at every analysis. Labels are written as in graph.notation of analysis.json:
+    X~ for X with a bar, ab_1 for the path. Such a file may say:
+
+    states.rename = { A = "guard", "X~" = "attention" }
+    states.merge = [ { keep = "B", with = ["C"] } ]
+    paths.rename = { "ab_1" = "lunge" }
+    phrases.rename = [ { frame = 100, name = "warm-up" } ]
     """
     from kinesics import analysis, report
 
@@ -143,9 +151,10 @@ def summarize(result: Analysis) -> None:
     from kinesics.report import words
 
     console = terminal.console()
+    names = words.source_names(result)
     for number, source in enumerate(result.sources):
         console.print(
-            f"[bold]{terminal.escape(source.name or 'a synthetic performance')}[/bold]: "
+            f"[bold]{terminal.escape(names[number] if source.name else 'a synthetic performance')}[/bold]: "
             f"{source.duration_s:.1f} s, {terminal.counted(source.frames, 'frame')} at {source.fps:g} fps"
         )
         console.print(f"  {terminal.escape(words.headline(result, number))}")
@@ -155,9 +164,7 @@ def summarize(result: Analysis) -> None:
                 console.print(f"    {terminal.escape(words.phrase_line(result, k))}")
             if len(phrases) > _MOST_PHRASES:
                 console.print(f"    … and {len(phrases) - _MOST_PHRASES} more, in phrases.csv")
-        still = sum(r.end - r.start for r in result.stillness if r.source == number) / source.frames
-        symmetric = sum(r.end - r.start for r in result.symmetric_states if r.source == number) / source.frames
-        console.print(f"  still {still:.0%} of the time, left and right alike {symmetric:.0%} of the time")
+        console.print(f"  {words.stillness(result, number)}")
         if source.assumptions:
             console.print(
                 f"  [dim]{terminal.counted(len(source.assumptions), 'assumption')}: see the report, or kinesics info[/dim]"
@@ -168,7 +175,8 @@ def summarize(result: Analysis) -> None:
         for number in range(len(graph.sources)):
             said = words.folded(graph.pretty(number).split(" "))
             short = said if len(said) <= _LONGEST_SENTENCE else said[: said.rfind(" ", 0, _LONGEST_SENTENCE)] + " …"
-            console.print(f"    {terminal.escape(short)}")
+            whose = f"{names[number]}: " if len(names) > 1 else ""
+            console.print(f"    {terminal.escape(whose + short)}")
     for surprise in words.surprises(result):
         console.print(f"  [cyan]noteworthy:[/cyan] {terminal.escape(surprise)}")
     for line in result.warnings:
@@ -176,4 +184,6 @@ def summarize(result: Analysis) -> None:
     if result.speed.max is not None and result.speed.max_s is not None:
         # below that nothing is movement: rounding of the file
         fastest = f"fastest at {result.speed.max_s:.2f} s" if result.speed.max > _ROUNDING else "nothing moves"
+        if len(names) > 1 and result.speed.max_source is not None:
+            fastest += f" of {terminal.escape(names[result.speed.max_source])}"
         console.print(f"  {fastest}; contrast β = {result.beta:.3g}")

@@ -39,6 +39,12 @@ T = TypeVar("T")
 P = TypeVar("P", "PhraseName", "PhraseMerge", "PhraseSplit")
 
 _NAME: Final = re.compile(r"[^\W_]+")
+_EXAMPLES: Final = {
+    "states": 'rename = { A = "guard", "X~" = "attention" }',
+    "paths": 'rename = { "ab_1" = "lunge" }',
+    "phrases": 'rename = [ { frame = 100, name = "warm-up" } ]',
+}
+"""How names are given in each table of the file."""
 _PATH_NAME: Final = re.compile(r"[^\W_]+(?:-[^\W_]+)?")
 
 
@@ -178,7 +184,7 @@ def parse(text: str) -> Edits:
     _only(values, ("states", "paths", "phrases"), "the edits")
     states, paths, phrases = (_table(values, k, "the edits") for k in ("states", "paths", "phrases"))
     for section, place in ((states, "states"), (paths, "paths"), (phrases, "phrases")):
-        _only(section, ("rename", "merge", "split"), f"[{place}]")
+        _only(section, ("rename", "merge", "split"), f"[{place}]", _EXAMPLES[place])
     return Edits(
         state_names=_names(states, "states"),
         state_merges=tuple(_merge(v, at) for v, at in _entries(states, "states", "merge", ("keep", "with"))),
@@ -577,10 +583,11 @@ def _entries(
     return out
 
 
-def _only(values: Mapping[str, Any], keys: Sequence[str], at: str) -> None:
+def _only(values: Mapping[str, Any], keys: Sequence[str], at: str, example: str = "") -> None:
     for key in values:
         if key not in keys:
-            raise InputError(f"Unknown key '{key}' in {at}. Keys: {', '.join(keys)}.")
+            such = f" For example: {example}" if example else ""
+            raise InputError(f"Unknown key '{key}' in {at}. Keys: {', '.join(keys)}.{such}")
 
 
 def _table(values: Mapping[str, Any], key: str, at: str) -> dict[str, Any]:

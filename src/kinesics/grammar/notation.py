@@ -273,13 +273,15 @@ def _held_once(said: list[str]) -> str:
 
 
 def pretty_label(label: str) -> str:
-    """A label with overbars and subscripts: ``X̄``, ``x̄ȳ₁``, ``(ab₁)*``."""
+    """A label with overbars and subscripts: ``X̄``, ``X̄₁``, ``x̄ȳ₁``, ``(ab₁)*``; a word that someone chose keeps its ``~``."""
     name, _, index = label.partition("_")
     tail = ""
     if index.endswith(")*"):
         index, tail = index[:-2], ")*"
-    if BAR in name:
-        name = "".join(c + _OVERLINE for c in name.replace(BAR, ""))
+    if BAR in name and _short(name.replace(BAR, "")):
+        name = "".join(c.translate(_SUBSCRIPTS) if c.isdigit() else c + _OVERLINE for c in name.replace(BAR, ""))
+    elif _LETTER.fullmatch(name.rstrip(MIRROR)):
+        name = name.translate(_SUBSCRIPTS)
     return unicodedata.normalize("NFC", name) + index.translate(_SUBSCRIPTS) + tail
 
 

@@ -25,7 +25,7 @@ from kinesics.plotting.motif_rows import motif_plot
 from kinesics.plotting.palettes import PALETTES, Palette, blend
 from kinesics.plotting.pooling import PooledSimilarity, pool_maximum, pooled_similarity
 from kinesics.plotting.scene import trail_plot
-from kinesics.plotting.similarity_plots import similarity_plot, similarity_triangle
+from kinesics.plotting.similarity_plots import figures_beneath, similarity_plot, similarity_triangle
 from kinesics.plotting.stick_figures import stick_figure, stick_figure_row
 
 __all__ = [
@@ -35,6 +35,7 @@ __all__ = [
     "blend",
     "composite_plot",
     "contact_sheet",
+    "figures_beneath",
     "graph_plot",
     "motif_plot",
     "new_figure",

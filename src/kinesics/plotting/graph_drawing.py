@@ -12,7 +12,7 @@ import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -215,6 +215,7 @@ def path_strips(
     plain = _plain_labels([p.label for p in graph.paths])
     for number, (path, occurrence, image) in enumerate(shown):
         row, column = divmod(number, columns)
+        twin = graph.path(path.mirror_of) if path.mirror_of not in (None, path.id) else None
         frames = np.rint(np.linspace(occurrence.start, occurrence.end - 1, moments)).astype(np.intp)
         if occurrence.reversed:
             frames = frames[::-1]
@@ -224,28 +225,28 @@ def path_strips(
         tops = (strokes.head_centres[:, 1] + strokes.head_radius).max()
         low = float(strokes.segments[..., 1].min())
         high = max(float(strokes.segments[..., 1].max()), float(tops))
-        metre = 0.74 * cell[1] / max(high - low, 0.3)
+        metre = 0.72 * cell[1] / max(high - low, 0.3)
         across, up = metre / cell[0], metre / cell[1]
         wide = float(np.abs(strokes.segments[..., 0]).max()) * across
-        left, right = 0.2 + min(wide, 0.25), 0.98 - min(wide, 0.25)
+        left, right = 0.02 + min(wide, 0.3), 0.98 - min(wide, 0.3)
         places = np.linspace(left, right, moments) if moments > 1 else np.array([0.5 * (left + right)])
         width = float(np.clip(0.01 * cell[1] * 72.0 / ax.figure.dpi, 0.6, 2.0))
         for k in reversed(range(moments)):
             strength = 1.0 - 0.78 * k / max(1, moments - 1)
-            spot = (column + float(places[k]), -row - 0.92 - low * up)
+            spot = (column + float(places[k]), -row - 0.95 - low * up)
             draw_strokes(ax, strokes, k, spot, (across, up), strength, width, grey=True)
-        size = float(np.clip(0.14 * cell[1] * 72.0 / ax.figure.dpi, 7.0, 15.0))
+        # what is said stands above the figures, where they cannot reach
+        size = float(np.clip(0.12 * cell[1] * 72.0 / ax.figure.dpi, 6.0, 13.0))
+        line: dict[str, Any] = {"ha": "left", "va": "center_baseline"}
         text = label_text(path.label, index=path.label not in plain)
         arrow = "↔" if path.reversible else "→"
-        ax.text(
-            column + 0.02, -row - 0.38, text, fontsize=size, style="italic", ha="left", va="center", color=canvas.INK
-        )
-        ax.text(column + 0.02, -row - 0.62, arrow, fontsize=size, ha="left", va="center", color=canvas.INK)
-        taken = len(path.occurrences)
-        remark = f"{(occurrence.end - occurrence.start) / motion.fps:.1f} s" + (
-            f", {taken}×" if taken else ", mirrored"
-        )
-        ax.text(column + 0.02, -row - 0.85, remark, fontsize=0.62 * size, ha="left", va="center", color=canvas.FAINT)
+        ax.text(column + 0.02, -row - 0.11, text, fontsize=size, style="italic", color=canvas.INK, **line)
+        beside = column + 0.04 + 2.0 * _half_size(text, size * ax.figure.dpi / 72.0 / cell[0])[0]
+        taken = f"{len(path.occurrences)}×" if path.occurrences else "mirrored"
+        if path.occurrences and twin is not None and twin.occurrences:
+            taken += f" and {len(twin.occurrences)}× mirrored"
+        remark = f"{arrow}  {(occurrence.end - occurrence.start) / motion.fps:.1f} s, {taken}"
+        ax.text(beside, -row - 0.11, remark, fontsize=0.7 * size, color=canvas.FAINT, **line)
     if not shown:
         ax.text(0.5, -0.5, "no paths", ha="center", va="center", color=canvas.FAINT)
     return ax
@@ -257,6 +258,7 @@ def state_margin(
     *,
     source: int = 0,
     fps: float | None = None,
+    begin: float = 0.0,
     side: str = "right",
 ) -> Axes:
     """Labels of the states on the margin of a square Z/Z* plot, where in time they are met (§3.5).
@@ -267,6 +269,7 @@ def state_margin(
     ----------
     ax : what `similarity_plot` returned.
     fps : frames a second where the axes of the plot are in seconds; without they count frames.
+    begin : where on the axis the source begins: not at 0 where several stand one after another.
     side : "right" or "top".
 
     Raises
@@ -292,17 +295,23 @@ def state_margin(
     low, high = sorted(ax.get_xlim() if side == "top" else ax.get_ylim())
     room = 9.5 * ax.figure.dpi / 72.0 * (high - low) / pixels
     # two columns: what does not fit into the first stands in the second
-    taken: tuple[list[float], list[float]] = ([], [])
+    columns = (1.01, 1.045)
+    along = 1 if side == "right" else 0
+    # labels of other sources on the same margin keep their places
+    taken = tuple(
+        [float(t.get_position()[along]) for t in ax.texts if t.get_position()[1 - along] == column]
+        for column in columns
+    )
     for (state, moment), length in sorted(met.items(), key=lambda item: (-item[1], item[0][1])):
         # a state entered or left where it is held is shown once, in the middle
         if length == 0.0 and any(s.id == state and a <= moment <= b for s, a, b in held):
             continue
-        place = moment * unit
+        place = begin + moment * unit
         free = [column for column in taken if all(abs(place - t) >= room for t in column)]
         if not free:
             continue
         free[0].append(place)
-        offset = 1.01 if free[0] is taken[0] else 1.045
+        offset = columns[0] if free[0] is taken[0] else columns[1]
         text = label_text(graph.state(state).label)
         if side == "right":
             where, transform, align = (offset, place), ax.get_yaxis_transform(), ("left", "center")
@@ -370,13 +379,13 @@ def _index_pairs(states: Sequence[State], arrows: Sequence[_Arrow]) -> list[tupl
 
 
 def _plain_labels(labels: Sequence[str]) -> set[str]:
-    """Labels whose index says nothing, because no other path is named so."""
+    """Labels whose index says nothing, because no other path is named so, nor of their mirror images."""
 
     def base(label: str) -> str:
-        return label.removeprefix("(").removesuffix(")*").rpartition("_")[0] + "*" * label.startswith("(")
+        return label.removeprefix("(").removesuffix(")*").rpartition("_")[0]
 
-    often = Counter(base(label) for label in labels)
-    return {label for label in labels if often[base(label)] == 1}
+    often = Counter((base(label), label.startswith("(")) for label in labels)
+    return {label for label in labels if max(often[base(label), image] for image in (False, True)) == 1}
 
 
 # curves

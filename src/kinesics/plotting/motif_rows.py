@@ -67,6 +67,10 @@ def motif_plot(
     begins = np.cumsum([0.0, *(m.duration for m in motions)])
     left, width = _FIGURES + 0.05, 1.0 - _FIGURES - 0.06
 
+    for border in begins[1:-1]:
+        x = left + width * float(border / begins[-1])
+        ax.plot([x, x], [-len(rows), 0.0], color=canvas.FAINT, linewidth=0.7, linestyle=(0, (3, 3)), zorder=1.5)
+
     def place(source: int, frame: int) -> float:
         return float(left + width * (begins[source] + frame / motions[source].fps) / begins[-1])
 

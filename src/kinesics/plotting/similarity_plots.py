@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
@@ -157,7 +158,7 @@ def similarity_triangle(
     for side in ("top", "right"):
         ax.spines[side].set_visible(False)
     if motion is not None:
-        _figures_beneath(ax, motion, overlap, figures)
+        figures_beneath(ax, [motion], overlap=overlap, figures=figures)
     return ax
 
 
@@ -261,12 +262,21 @@ def colour_key(palette: str | Palette) -> str:
     )
 
 
-def _figures_beneath(ax: Axes, motion: Motion, overlap: float, figures: int) -> None:
-    """The row of overlaid figures, each centred under its own time (Figure 21)."""
-    # the axis label and the tick labels stand between the triangle and the figures
-    below = ax.inset_axes((0.0, -0.45, 1.0, 0.32))
-    count = min(figures, motion.frame_count)
-    # figure k stands in the middle of its share of the time axis
-    frames = ((np.arange(count) + 0.5) * motion.frame_count / count).astype(np.intp)
-    step = max(1, round(overlap * motion.fps)) if motion.frame_count > 1 else 0
-    stick_figure_row(motion, frames, overlap_frames=step, ax=below, spread="time")
+def figures_beneath(ax: Axes, motions: Sequence[Motion], *, overlap: float = 1.0 / 6.0, figures: int = 10) -> None:
+    """The row of overlaid figures under a triangle, each centred under its own time (Figure 21).
+
+    Parameters
+    ----------
+    ax : of the triangle; its time axis is the motions one after another.
+    motions : at least one.
+    overlap, figures : as in `similarity_triangle`; each motion has its share of the figures, and at least one.
+    """
+    ends = np.cumsum([0.0, *(m.duration for m in motions)]) / sum(m.duration for m in motions)
+    for motion, start, end in zip(motions, ends, ends[1:], strict=False):
+        # the axis label and the tick labels stand between the triangle and the figures
+        below = ax.inset_axes((float(start), -0.45, float(end - start), 0.32))
+        count = min(max(1, round(figures * float(end - start))), motion.frame_count)
+        # figure k stands in the middle of its share of the time axis
+        frames = ((np.arange(count) + 0.5) * motion.frame_count / count).astype(np.intp)
+        step = max(1, round(overlap * motion.fps)) if motion.frame_count > 1 else 0
+        stick_figure_row(motion, frames, overlap_frames=step, ax=below, spread="time")

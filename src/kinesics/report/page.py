@@ -9,6 +9,8 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from typing import Final
 
+import numpy as np
+
 from kinesics.analysis import Analysis
 from kinesics.analysis.facts import Overall, Range, Source
 from kinesics.grammar.graph import MotionGraph
@@ -17,7 +19,7 @@ from kinesics.grammar.notation import pretty_label
 from kinesics.plotting.motif_rows import ranked_stretches
 from kinesics.plotting.similarity_plots import colour_key
 from kinesics.report import words
-from kinesics.report.pictures import MOST_MOTIFS, Pictures
+from kinesics.report.pictures import MOST_MOTIFS, Pictures, strip_paths
 
 _MOST_ROWS: Final = 200
 _MOST_WORDS: Final = 400
@@ -42,6 +44,8 @@ th, td { text-align: left; padding: .25rem 1rem .25rem 0; border-bottom: 1px sol
 td.long { overflow-wrap: anywhere; }
 th { color: #555; font-weight: 600; }
 td.number, th.number { text-align: right; }
+div.wide { overflow-x: auto; }
+table.many { min-width: 48rem; }
 ul { padding-left: 1.2rem; }
 li.warning { color: #8a3b00; }
 h3 { font-size: 1rem; margin: 1.4rem 0 .4rem; }
@@ -55,8 +59,9 @@ footer { margin-top: 3rem; color: #777; font-size: .85rem; }
 
 def report_page(analysis: Analysis, pictures: Pictures, *, palette: str = "thesis") -> str:
     """The report as HTML: complete in itself, nothing is fetched, every text of the recording escaped."""
-    names = [s.name or "a motion made by the program" for s in analysis.sources]
-    title = names[0] if len(names) == 1 else f"{names[0]} and {len(names) - 1} more"
+    names = words.source_names(analysis)
+    first = analysis.sources[0].name or names[0]
+    title = first if len(names) == 1 else f"{first} and {len(names) - 1} more"
     body = [
         f"<h1>{escape(title)}</h1>",
         *(_headline(analysis, k) for k in range(len(names))),
@@ -68,9 +73,14 @@ def report_page(analysis: Analysis, pictures: Pictures, *, palette: str = "thesi
         _picture(
             pictures.triangle,
             "Z/Z* turned by 45 degrees: time runs to the right, the lag between two moments upwards.",
-            _how_to_read(analysis, palette),
+            _how_to_read(palette) + _one_after_another(analysis),
         ),
-        _picture(pictures.square, "Z/Z*: each pixel compares two moments of the recording."),
+        _picture(
+            pictures.square,
+            "Z/Z*: each pixel compares two moments.",
+            "The same, each pixel one moment across and one upwards. On the margin: the states of the motion graph, when they are "
+            "met (those held longest, where there is no room for all).",
+        ),
         *_motion_graph(analysis, pictures),
         *_cycles(analysis),
         *_motifs(analysis, pictures),
@@ -118,7 +128,7 @@ def _numbers(analysis: Analysis) -> str:
         ("frame rate", f"{', '.join(f'{r:.6g}' for r in rates)} /s"),
         ("speed, median", _number(analysis.speed.median, " /s")),
         ("speed, greatest", _number(analysis.speed.max, " /s")),
-        ("still", f"{still:.1f} s"),
+        ("at rest", f"{still:.1f} s"),
         ("symmetric", f"{symmetric:.1f} s"),
         ("β", f"{analysis.beta:.3g}"),
     ]
@@ -127,7 +137,7 @@ def _numbers(analysis: Analysis) -> str:
 
 
 def _headline(analysis: Analysis, source: int) -> str:
-    name = f"{analysis.sources[source].name}: " if len(analysis.sources) > 1 else ""
+    name = f"{words.source_names(analysis)[source]}: " if len(analysis.sources) > 1 else ""
     return f'<p class="lead">{escape(name + words.headline(analysis, source))}.</p>'
 
 
@@ -135,10 +145,10 @@ def _what_it_is(analysis: Analysis) -> list[str]:
     """The class of each recording as a whole, the evidence for it, and what surprises."""
     parts = ["<h2>What it is</h2>"]
     several = len(analysis.sources) > 1
-    for source in analysis.sources:
+    for source, name in zip(analysis.sources, words.source_names(analysis), strict=True):
         judged = source.overall
         if several:
-            parts.append(f"<h3>{escape(source.name)}</h3>")
+            parts.append(f"<h3>{escape(name)}</h3>")
         if judged.confidence is None:
             parts.append("<p>Too short to tell.</p>")
             continue
@@ -173,6 +183,7 @@ def _phrases(analysis: Analysis, pictures: Pictures) -> list[str]:
     if not analysis.phrases:
         return []
     several = len(analysis.sources) > 1
+    names = words.source_names(analysis)
     smooth = any(p.smoothness is not None for p in analysis.phrases)
     header = [
         *(["source"] if several else []),
@@ -188,7 +199,7 @@ def _phrases(analysis: Analysis, pictures: Pictures) -> list[str]:
     ]
     rows = [
         [
-            *([analysis.sources[p.source].name] if several else []),
+            *([names[p.source]] if several else []),
             f"{p.start_s:.2f}",
             f"{p.end_s:.2f}",
             "" if p.kind is None else str(p.kind + 1),
@@ -204,11 +215,16 @@ def _phrases(analysis: Analysis, pictures: Pictures) -> list[str]:
     return [
         "<h2>Phrases</h2>",
         *(
-            _drawing(svg, f"phrases{k}", "The phrases over time, coloured by kind of movement.")
-            for k, svg in enumerate(pictures.phrases)
+            (f'<p class="small">{escape(names[k])}</p>' if several else "")
+            + _drawing(svg, f"phrases{k}", "The phrases over time, coloured by kind of movement.")
+            for k, svg in pictures.phrases
         ),
         "<p>A phrase is a stretch of one kind of movement: what recurs in it does not recur across its borders. Phrases of one "
-        "kind have one number and one colour."
+        + (
+            "recording that are of one kind have one number and one colour; each recording counts its own kinds."
+            if several
+            else "kind have one number and one colour."
+        )
         + (" Smoothness is negative: the nearer to 0, the smoother." if smooth else "")
         + "</p>",
         _table(header, rows),
@@ -255,7 +271,14 @@ def _motifs(analysis: Analysis, pictures: Pictures) -> list[str]:
             _drawing(pictures.motifs, "motifs", "Stretches that recur: their poses, and when they come back."),
             "<p>A row for each stretch that comes back: its poses, lighter as it evolves, and when it is done; framed is the "
             "one shown. The others have the colour of Z where they are the same, of Z* where they are mirrored, and ← where they "
-            "are done backwards. " + (f"And {left_out} more, in motifs.csv." if left_out > 0 else "") + "</p>",
+            "are done backwards. "
+            + (
+                "The recordings stand one after another, in the order given, a broken line between. "
+                if len(analysis.sources) > 1
+                else ""
+            )
+            + (f"And {left_out} more, in motifs.csv." if left_out > 0 else "")
+            + "</p>",
         ]
     found = [
         (len(analysis.reversals), "turning back on its own path", "turnings back on their own path"),
@@ -291,23 +314,32 @@ def _motion_graph(analysis: Analysis, pictures: Pictures) -> list[str]:
         _drawing(pictures.graph, "graph", "The motion graph: states and the paths between them.", kind="natural"),
         "<p>A circle is a pose that returns, is held, is turned back in or branched from; an arrow is a movement from one "
         "to another, with two heads where it is done in both directions. Symmetric poses, under a bar, stand on the middle "
-        "line; a pose and its mirror image (starred) face each other across it.</p>",
+        "line; a pose and its mirror image (starred) face each other across it. In figures, the left limbs are red, the right ones "
+        "blue.</p>",
     ]
     parts.append(f"<p>{escape(words.counted(graph))}. {escape(_shape(graph))}</p>")
-    for number, source in enumerate(graph.sources):
+    for number, name in enumerate(words.source_names(analysis)):
         said = words.folded(graph.pretty(number).split(" ")).split(" ")
         short = " ".join(said[:_MOST_WORDS]) + (" …" if len(said) > _MOST_WORDS else "")
-        name = f"{escape(source.name)}: " if len(graph.sources) > 1 else ""
-        parts.append(f'<p class="sentence">{name}{escape(short)}</p>')
+        whose = f"{escape(name)}: " if len(graph.sources) > 1 else ""
+        parts.append(f'<p class="sentence">{whose}{escape(short)}</p>')
     parts.append(
         '<p class="small">So it reads: states, and the paths between them; ← before a path that is done backwards, … after '
-        "a pose that is held, .. where the recording begins or ends on the way, n × (…) for what comes n times.</p>"
+        "a pose in which the body lingers, if only for a moment (for rests see <q>Stillness</q>), .. where the recording begins "
+        "or ends on the way, n × (…) for what comes n times.</p>"
     )
     if pictures.strips is not None:
         parts.append(
             _drawing(
                 pictures.strips, "strips", "Paths as strips of poses that lighten as the path evolves.", kind="natural"
             )
+        )
+        drawn, left_out = strip_paths(graph)
+        parts.append(
+            '<p class="small">Each path as its poses, which lighten as it evolves; how long it takes, and how often it is done. '
+            "A path and its mirror image share a strip."
+            + (f" The {len(drawn)} most frequent are drawn; {left_out} more are in analysis.json." if left_out else "")
+            + "</p>"
         )
     parts.append(_information(graph.information()))
     return parts
@@ -349,9 +381,26 @@ def _information(known: Information) -> str:
     return f'<h3>How much it tells</h3>{_table(["", ""], rows)}<p class="small">{escape(said)}</p>'
 
 
-def _how_to_read(analysis: Analysis, palette: str) -> str:
+def _one_after_another(analysis: Analysis) -> str:
+    """Which stretch of a common time axis is which recording; nothing where there is one."""
+    if len(analysis.sources) == 1:
+        return ""
+    ends = [float(t) for t in np.cumsum([0.0, *(s.duration_s for s in analysis.sources)])]
+    said = ", ".join(
+        f"{name} from {start:.2f} to {end:.2f} s"
+        for name, start, end in zip(words.source_names(analysis), ends, ends[1:], strict=False)
+    )
+    return (
+        f" The recordings stand one after another, white lines between: {said}. Squares and triangles on the edge compare a "
+        "recording with itself, those beyond the lines one with another."
+    )
+
+
+def _how_to_read(palette: str) -> str:
     key = colour_key(palette)
-    figures = "" if len(analysis.sources) > 1 else " Beneath: each pose and, paler, the pose a sixth of a second later."
+    figures = (
+        " Beneath: each pose and, paler, the pose a sixth of a second later; the left limbs red, the right ones blue."
+    )
     return (
         f"{key[0].upper()}{key[1:]}. On the lower edge every moment meets itself: where that line is thin the body moves fast, "
         "where it is white the pose is symmetric. Stripes along it are repetitions, stripes straight up from it are movements "
@@ -364,29 +413,44 @@ def _stillness_words(analysis: Analysis) -> str:
     near = " or ".join(sorted({f"{r['epsilon']:.3f}" for r in rules}))
     waits = " or ".join(sorted({f"{r['minimum_s']:.2f}" for r in rules}))
     return (
-        f"Stretches of at least {waits} s in which all poses stay within √(2D) = {near} of each other: a few degrees in each "
-        "joint, for longer than a swing of this recording lingers at its turning point."
+        f"Rests: stretches of at least {waits} s in which all poses stay within √(2D) = {near} of each other: a few degrees in "
+        "each joint, for longer than a swing of this recording lingers at its turning point."
+        + (
+            f" The motion graph also tells shorter stays, each marked … in its sentence: {lingers:.1f} s in all."
+            if (lingers := sum(words.lingering(analysis.graph, k) for k in range(len(analysis.sources)))) > 0.0
+            else ""
+        )
     )
 
 
 def _symmetry_words(analysis: Analysis) -> str:
     threshold = analysis.parameters["symmetric_states"]["threshold"]
-    return f"Stretches in which the pose is its own mirror image as nearly as a body at rest: D*(a, a) ≤ {threshold:g}."
+    bars = (
+        " The motion graph judges its states by how precisely this recording repeats itself and mirrors itself, so a state under a "
+        "bar may lie outside these stretches, and what is within them need not have a bar."
+        if analysis.graph.states
+        else ""
+    )
+    return (
+        "Stretches in which the pose is its own mirror image as nearly as a body at rest: D*(a, a) ≤ "
+        f"{threshold:g}, for every recording the same.{bars}"
+    )
 
 
-def _ranges(analysis: Analysis, title: str, ranges: Sequence[Range], words: str) -> str:
+def _ranges(analysis: Analysis, title: str, ranges: Sequence[Range], said: str) -> str:
     if not ranges:
-        return f"<h2>{escape(title)}</h2><p>{escape(words)}</p><p>None.</p>"
+        return f"<h2>{escape(title)}</h2><p>{escape(said)}</p><p>None.</p>"
     several = len(analysis.sources) > 1
+    names = words.source_names(analysis)
     header = [*(["source"] if several else []), "from (s)", "to (s)", "lasts (s)", "frames"]
     rows = []
     for r in ranges[:_MOST_ROWS]:
         fps = analysis.sources[r.source].fps
         times = [f"{r.start / fps:.2f}", f"{r.end / fps:.2f}", f"{(r.end - r.start) / fps:.2f}", f"{r.start}-{r.end}"]
-        rows.append([*([analysis.sources[r.source].name] if several else []), *times])
+        rows.append([*([names[r.source]] if several else []), *times])
     left_out = len(ranges) - len(rows)
     more = f"<p>And {left_out} more, in analysis.json.</p>" if left_out > 0 else ""
-    return f"<h2>{escape(title)}</h2><p>{escape(words)}</p>{_table(header, rows)}{more}"
+    return f"<h2>{escape(title)}</h2><p>{escape(said)}</p>{_table(header, rows)}{more}"
 
 
 def _source(source: Source) -> str:
@@ -436,7 +500,9 @@ def _drawing(svg: bytes, prefix: str, words: str, *, kind: str = "wide") -> str:
 def _table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     top = "".join(f"<th>{escape(h)}</th>" for h in header)
     body = "".join("<tr>" + "".join(map(_cell, row)) + "</tr>" for row in rows)
-    return f"<table><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>"
+    # on a narrow screen a table of many columns is moved sideways, in its own box
+    many = ' class="many"' if len(header) > 7 else ""
+    return f'<div class="wide"><table{many}><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table></div>'
 
 
 def _cell(text: str) -> str:

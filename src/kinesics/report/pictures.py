@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from kinesics.body.pose import PoseSequence
 from kinesics.errors import InputError
 from kinesics.plotting import (
     composite_plot,
+    figures_beneath,
     graph_plot,
     motif_plot,
     new_figure,
@@ -30,15 +31,19 @@ from kinesics.plotting.canvas import FAINT, INK, figure_bytes
 from kinesics.plotting.palettes import PALETTES
 from kinesics.plotting.similarity_plots import colour_key
 from kinesics.progress import Progress, silent
+from kinesics.report import words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from kinesics.grammar.graph import MotionGraph
+
 _DPI: Final = 150
 _MOST_FIGURES: Final = 40
 """States that are drawn with a figure each."""
-_MOST_STRIPS: Final = 12
+MOST_STRIPS: Final = 48
+"""Paths that are drawn as strips; mirror images share one."""
 MOST_MOTIFS: Final = 8
 _KINDS: Final = (
     "#9ecae1",
@@ -69,9 +74,9 @@ class Pictures(NamedTuple):
     path: bytes
     """SVG, the path of the body in the symmetry basis."""
     strips: bytes | None
-    """SVG, the most frequent paths of the graph as strips of poses; None where there are none."""
-    phrases: tuple[bytes, ...]
-    """SVG, the phrases over time, one for each source that has some."""
+    """SVG, the paths of the graph as strips of poses (`strip_paths`); None where there are none."""
+    phrases: tuple[tuple[int, bytes], ...]
+    """The source's number and SVG, the phrases over time, for each source that has some."""
     motifs: bytes | None
     """SVG, what recurs, as figures and over time; None where nothing does."""
     curves: tuple[bytes, ...]
@@ -124,16 +129,20 @@ def draw(analysis: Analysis, *, palette: str = "thesis", progress: Progress | No
     similarity_plot(pooled, palette=palette, ax=ax)
     _borders(ax, borders, len(poses) / poses.fps, triangle=False)
     read = analysis.graph
-    if len(analysis.sources) == 1 and read.states:
-        state_margin(ax, read, fps=read.sources[0].fps)
+    begins = [0.0, *borders]
+    if read.states:
+        for number, begin in enumerate(begins):
+            state_margin(ax, read, source=number, fps=read.sources[number].fps, begin=begin)
+    _name_blocks(ax, analysis, [*begins, len(poses) / poses.fps])
     _caption(square, name, key)
 
     report(0.5, "the triangle")
-    motion = analysis.motions[0] if len(analysis.motions) == 1 else None
-    triangle, ax = _page(_PIXELS, _PIXELS // 2, left=130, right=45, bottom=345 if motion is not None else 150, top=85)
-    similarity_triangle(pooled, motion, palette=palette, ax=ax)
+    triangle, ax = _page(_PIXELS, _PIXELS // 2, left=130, right=45, bottom=345 + 40 * bool(borders), top=85)
+    similarity_triangle(pooled, palette=palette, ax=ax)
+    figures_beneath(ax, analysis.motions)
     _borders(ax, borders, len(poses) / poses.fps, triangle=True)
-    _caption(triangle, name, key + ("; figures: a pose and, paler, the pose 1/6 s later" if motion is not None else ""))
+    _name_blocks(ax, analysis, [*begins, len(poses) / poses.fps], height=-0.49)
+    _caption(triangle, name, key + "; figures: a pose and, paler, the pose 1/6 s later")
 
     report(0.7, "the path")
     symmetric = [(r.start, r.end) for r in analysis.symmetric_states] if len(analysis.sources) == 1 else []
@@ -146,15 +155,14 @@ def draw(analysis: Analysis, *, palette: str = "thesis", progress: Progress | No
     if read.states:
         figures = state_moments(read, analysis.motions) if len(read.states) <= _MOST_FIGURES else None
         graph_file = figure_bytes(_figure(graph_plot(read, figures=figures)), ".svg")
-    frequent = sorted((p for p in read.paths if p.occurrences), key=lambda p: -len(p.occurrences))[:_MOST_STRIPS]
-    if frequent:
-        ax = path_strips(read, analysis.motions, paths=sorted(p.id for p in frequent), moments=7)
+    if shown := strip_paths(read)[0]:
+        ax = path_strips(read, analysis.motions, paths=shown, moments=7)
         strips = figure_bytes(_figure(ax), ".svg")
 
     report(0.8, "the curves")
     curves = tuple(figure_bytes(_curves(analysis, k), ".svg") for k in range(len(analysis.sources)))
     phrases = tuple(
-        figure_bytes(_phrases(analysis, k), ".svg")
+        (k, figure_bytes(_phrases(analysis, k), ".svg"))
         for k in range(len(analysis.sources))
         if any(p.source == k for p in analysis.phrases)
     )
@@ -168,6 +176,27 @@ def draw(analysis: Analysis, *, palette: str = "thesis", progress: Progress | No
     result = Pictures(square_file, triangle_file, graph_file, path_file, strips, phrases, motifs, curves)
     report(1.0, "pictures drawn")
     return result
+
+
+def strip_paths(graph: MotionGraph) -> tuple[list[int], int]:
+    """Ids of the paths that are drawn as strips, in the order of the graph, and how many more there are.
+
+    Of two mirror images the one that was performed more often stands for both; beyond `MOST_STRIPS` the most frequent are kept.
+    """
+    often = {p.id: len(p.occurrences) for p in graph.paths}
+    chosen: dict[int, int] = {}
+    for path in graph.paths:
+        twin = path.id if path.mirror_of is None else path.mirror_of
+        one = max((path.id, twin), key=lambda k: (often[k], -k))
+        if often[one]:
+            chosen.setdefault(min(path.id, twin), one)
+    together: dict[int, int] = dict.fromkeys(chosen, 0)
+    for path in graph.paths:
+        orbit = path.id if path.mirror_of is None else min(path.id, path.mirror_of)
+        if orbit in together:
+            together[orbit] += often[path.id]
+    kept = sorted(chosen, key=lambda orbit: -together[orbit])[:MOST_STRIPS]
+    return sorted(chosen[orbit] for orbit in kept), len(chosen) - len(kept)
 
 
 def _common_time(analysis: Analysis) -> tuple[PoseSequence, list[float]]:
@@ -226,6 +255,22 @@ def _caption(figure: Figure, name: str, key: str) -> None:
             va="bottom",
             parse_math=False,
         )
+
+
+def _name_blocks(ax: Axes, analysis: Analysis, borders: list[float], *, height: float = 1.008) -> None:
+    """The recordings' names over (or under) their stretches of the time axis, where there are several."""
+    if len(borders) < 3:
+        return
+    if height > 1.0:
+        ax.set_title(ax.get_title(), fontsize=12, color=INK, pad=22)
+    # some 10 pixels a letter
+    letters = _PIXELS / borders[-1] / 10.0
+    for name, start, end in zip(words.source_names(analysis), borders, borders[1:], strict=False):
+        room = int((end - start) * letters)
+        shown = name if len(name) <= room else name[: max(0, room - 1)] + "…" if room > 2 else ""
+        style: dict[str, Any] = {"ha": "center", "va": "bottom" if height > 1.0 else "top", "fontsize": 9, "color": INK}
+        where = ax.get_xaxis_transform()
+        ax.text(0.5 * (start + end), height, shown, transform=where, parse_math=False, **style)
 
 
 def _borders(ax: Axes, borders: list[float], length: float, *, triangle: bool) -> None:

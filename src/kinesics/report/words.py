@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from kinesics.analysis import Analysis
-from kinesics.analysis.facts import Overall, Phrase, Source
+from kinesics.analysis.facts import MotifMember, Overall, Phrase, Source
 from kinesics.grammar.graph import MotionGraph
 
 CLASSES: Final[dict[str, tuple[str, str]]] = {
@@ -90,6 +90,39 @@ _AXIAL: Final = {
     "head": "head",
 }
 _LONGEST_REFRAIN: Final = 24
+_PART: Final = 0.3
+"""Of a recording: a part of it as long as that which comes again is worth a sentence."""
+
+
+def source_names(analysis: Analysis) -> tuple[str, ...]:
+    """What each recording is called; those of one name are numbered."""
+    names = [s.name or "a motion made by the program" for s in analysis.sources]
+    out = []
+    for number, name in enumerate(names):
+        which = f" ({names[: number + 1].count(name)})" if names.count(name) > 1 else ""
+        out.append(name + which)
+    return tuple(out)
+
+
+def lingering(graph: MotionGraph, source: int) -> float:
+    """Seconds of a recording in which it stays in states of the graph, however shortly."""
+    if not graph.sources:
+        return 0.0
+    frames = sum(s.end - s.start for state in graph.states for s in state.stays if s.source == source)
+    return frames / graph.sources[source].fps
+
+
+def stillness(analysis: Analysis, source: int) -> str:
+    """How much of a recording is rest, lingering and left like right, in a line."""
+    known = analysis.sources[source]
+    still = sum(r.end - r.start for r in analysis.stillness if r.source == source) / known.frames
+    symmetric = sum(r.end - r.start for r in analysis.symmetric_states if r.source == source) / known.frames
+    # a rest is lingered in, too
+    lingers = lingering(analysis.graph, source) / known.duration_s
+    said = f"at rest {still:.0%} of the time"
+    if lingers > still + 0.005:
+        said += f" (it lingers in poses of the graph, if only for a moment, {lingers:.0%} of the time)"
+    return f"{said}; left and right alike {symmetric:.0%} of the time"
 
 
 def likelihood(confidence: float) -> str:
@@ -200,13 +233,58 @@ def folded(words: Sequence[str]) -> str:
 def surprises(analysis: Analysis) -> list[str]:
     """What one would not expect: constant differences of the sides, one side late, uneven cycles, strikes."""
     out: list[str] = []
+    names = source_names(analysis)
     for number, source in enumerate(analysis.sources):
-        of = f"{source.name}: " if len(analysis.sources) > 1 else ""
-        out.extend(of + s for s in [*_bias(source), *_uneven(analysis, number), *_strikes(analysis, number)])
+        of = f"{names[number]}: " if len(names) > 1 else ""
+        found = [
+            *_halves(analysis, number),
+            *_bias(source),
+            *_uneven(analysis, number),
+            *_strikes(analysis, number),
+        ]
+        out.extend(of + s for s in found)
     parts = analysis.graph.components()
     if len(parts) > 1:
         out.append(f"the motion graph falls into {len(parts)} parts that no path joins")
     return out
+
+
+def _halves(analysis: Analysis, source: int) -> list[str]:
+    """One part of a recording that is another part of it, mirrored or backwards or the same; cycles are no surprise."""
+    known = analysis.sources[source]
+    if known.overall.period_s is not None:
+        return []
+    best: tuple[int, float, MotifMember, MotifMember] | None = None
+    for motif in analysis.motifs:
+        first = motif.members[0]
+        for other in motif.members[1:]:
+            apart = other.start >= first.end or first.start >= other.end
+            length = min(first.end - first.start, other.end - other.start)
+            if first.source == other.source == source and apart and length >= _PART * known.frames:
+                best = max(
+                    best or (0, 0.0, first, other), (length, motif.similarity, first, other), key=lambda b: b[:2]
+                )
+    if best is None:
+        return []
+    _, similarity, first, other = best
+    one, two = sorted((first, other), key=lambda m: m.start)
+    mirrored, backwards = one.mirrored != two.mirrored, one.reversed != two.reversed
+    how = (
+        "the mirror image, played backwards, of"
+        if mirrored and backwards
+        else "the mirror image of"
+        if mirrored
+        else "the same, played backwards, as"
+        if backwards
+        else "the same as"
+    )
+    # 1 would say that nothing differs
+    alike = f"{similarity:.2f}" if similarity < 0.995 else "over .99"
+    fps = known.fps
+    return [
+        f"{two.start / fps:.1f}-{two.end / fps:.1f} s is {how} {one.start / fps:.1f}-{one.end / fps:.1f} s "
+        f"(similarity {alike.removeprefix('0')})"
+    ]
 
 
 def _bias(source: Source) -> list[str]:
