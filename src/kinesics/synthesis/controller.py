@@ -12,6 +12,8 @@ Beyond the dissertation, and only if `lookahead` is not 0: the features of path 
 with it (`kinesics.synthesis.prospects`). The rest of the composite whose beginning was just played competes with
 those of the bundle, lest a turn be put off for ever. So the decision depends on path, place, heading and that plan and on nothing
 before: still Markov, in a larger state. Only wishes that remember (Novelty) look back. With ``lookahead=0`` there is no plan.
+Composites that do not come to the target count by the seconds that it takes from where they end (`kinesics.synthesis.togo`).
+The first path is drawn by E, too, if there is somewhere to go, to a small power: one sets out at once, but not always alike.
 
 Also beyond it: `bend`. The way of a path over the floor may be bent a little towards the goal, evenly with the metres walked, as
 if the floor had been turned under the feet; standing, nothing is turned. ``bend=0`` leaves every path as it was recorded.

@@ -7,7 +7,9 @@ than one right on it.
 
 A feature of your own needs two methods, `Feature`. The goals here know composites too (`kinesics.synthesis.prospects`): places
 along a trail, turned from the performer's heading into the world ([Schultz2012] §4.4.1 with the correction that the
-displacement turns with the performer, and that a far target counts as one within reach in the same direction).
+displacement turns with the performer, and that a far target counts as one within reach in the same direction). For a target
+that stands still, f is metres from it where it is met and metres that could have been walked towards it meanwhile, on the quickest
+way that the recordings allow (`kinesics.synthesis.togo`): so none is walked round for ever.
 
 - to a place: `Target`, several `Targets`, a `MovingTarget`
 - along a line: `Route`

@@ -187,11 +187,11 @@ def performance(
     progress(0.6, "looking ahead")
     ahead = prospects(net)
     most = _most_seconds(wish, ahead, seconds)
-    progress(0.75, "choosing the way")
     sharpness = SHARPER if wish.may_try_again(most, _pace(ahead)) else SHARPER[:1]
     best: tuple[Course, float] | None = None
     for attempt, sharper in enumerate(sharpness):
         bent = min(sharper * bend, max(bend, MOST_BEND))
+        progress(0.75 + 0.1 * attempt / len(sharpness), "choosing the way")
         course = perform_paths(
             net,
             wish.goals(),
