@@ -175,6 +175,7 @@ def test_labels_of_mirror_images_agree() -> None:
         ("A", "A"),
         ("A12*", "A₁₂*"),
         ("X~", "X\N{COMBINING OVERLINE}"),
+        ("X12~", "X\N{COMBINING OVERLINE}₁₂"),
         ("ab*_12", "ab*₁₂"),
         ("(a1b_2)*", "(a₁b₂)*"),
         ("xy~_1", r"${\overline{xy}}_{1}$"),

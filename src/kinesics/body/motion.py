@@ -65,7 +65,7 @@ class Motion:
     assumptions: tuple[str, ...] = ()
     """What was not in the file and was assumed: unit, up axis, frame rate, left and right."""
     warnings: tuple[str, ...] = ()
-    """What looks wrong."""
+    """What was wrong with the file. What looks wrong with the movement is told by `kinesics.inspect`."""
 
     def __post_init__(self) -> None:
         """Check shapes and values once, so that nothing downstream has to."""

@@ -39,7 +39,7 @@ _BOW: Final = 0.26
 """Cells between parallel arrows."""
 _SAMPLES: Final = 48
 _LETTERS: Final = re.compile(r"(?P<first>[A-Za-z][0-9]*\*?)(?P<second>[a-z][0-9]*\*?)?(?:_(?P<index>[0-9]+))?")
-_BARRED: Final = re.compile(rf"(?P<letter>[A-Z]){notation.BAR}")
+_BARRED: Final = re.compile(rf"(?P<letter>[A-Z])(?P<number>[0-9]*){notation.BAR}")
 _SUBSCRIPTS: Final = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
 
@@ -331,7 +331,7 @@ def label_text(label: str, *, index: bool = True) -> str:
     index : False leaves the index out, as the dissertation does where there is only one such path.
     """
     if barred := _BARRED.fullmatch(label):
-        return barred["letter"] + "\N{COMBINING OVERLINE}"
+        return barred["letter"] + "\N{COMBINING OVERLINE}" + barred["number"].translate(_SUBSCRIPTS)
     image = label.startswith("(")
     letters = _LETTERS.fullmatch(label[1:-2] if image else label)
     if letters is None:

@@ -23,6 +23,8 @@ from kinesics.report.pictures import MOST_MOTIFS, Pictures, strip_paths
 
 _MOST_ROWS: Final = 200
 _MOST_WORDS: Final = 400
+_WIDEST: Final = 800.0
+"""Points: a drawing up to so wide is made as wide as the page."""
 
 _STYLE: Final = """
 :root { color-scheme: light; }
@@ -426,8 +428,8 @@ def _stillness_words(analysis: Analysis) -> str:
 def _symmetry_words(analysis: Analysis) -> str:
     threshold = analysis.parameters["symmetric_states"]["threshold"]
     bars = (
-        " The motion graph judges its states by how precisely this recording repeats itself and mirrors itself, so a state under a "
-        "bar may lie outside these stretches, and what is within them need not have a bar."
+        " The motion graph judges a state by all of its visits together and sets a small constant difference of left and right "
+        "aside: a single visit of a state under a bar may lie outside these stretches."
         if analysis.graph.states
         else ""
     )
@@ -494,6 +496,10 @@ def _drawing(svg: bytes, prefix: str, words: str, *, kind: str = "wide") -> str:
     natural = re.search(r'\swidth="([0-9.]+pt)"', head)
     style = f' style="max-width: {natural.group(1)}"' if kind == "natural" and natural else ""
     head = re.sub(r'\s(width|height)="[^"]*"', "", head)
+    if kind == "natural" and natural and float(natural.group(1)[:-2]) > _WIDEST:
+        # made smaller it could not be read: it is moved sideways in its own box
+        style = ' style="overflow-x: auto"'
+        head += f' style="width: {0.85 * float(natural.group(1)[:-2]):.0f}pt"'
     return f'<figure class="{kind}"{style} role="img" aria-label="{escape(words)}">{head}>{tail}</figure>'
 
 

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from kinesics.grammar.graph import MotionGraph
 
 _DPI: Final = 150
-_MOST_FIGURES: Final = 40
+_MOST_FIGURES: Final = 80
 """States that are drawn with a figure each."""
 MOST_STRIPS: Final = 48
 """Paths that are drawn as strips; mirror images share one."""
@@ -121,7 +121,8 @@ def draw(analysis: Analysis, *, palette: str = "thesis", progress: Progress | No
         weights=weights,
         progress=lambda fraction, message="": report(0.35 * fraction, message or "comparing all moments"),
     )
-    name = ", ".join(s.name for s in analysis.sources if s.name)
+    # several are named over their blocks
+    name = analysis.sources[0].name if len(analysis.sources) == 1 else ""
     key = colour_key(palette)
 
     report(0.35, "the square")

@@ -279,7 +279,9 @@ def _halves(analysis: Analysis, source: int) -> list[str]:
         else "the same as"
     )
     # 1 would say that nothing differs
-    alike = f"{similarity:.2f}" if similarity < 0.995 else "over .99"
+    alike = (
+        f"{similarity:.2f}" if similarity < 0.995 else f"{similarity:.5f}" if similarity < 0.99999 else "over .99999"
+    )
     fps = known.fps
     return [
         f"{two.start / fps:.1f}-{two.end / fps:.1f} s is {how} {one.start / fps:.1f}-{one.end / fps:.1f} s "
