@@ -16,9 +16,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinesics.errors import InputError
+from kinesics.grammar.ground import SYMMETRIC
 
-SYMMETRY_THRESHOLD: Final = 0.005
-"""Of D*(a, a)."""
+SYMMETRY_THRESHOLD: Final = SYMMETRIC
+"""Of D*(a, a): that of a symmetric state in the motion graph."""
 RELEASE: Final = 1.25
 
 

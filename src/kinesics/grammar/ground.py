@@ -29,6 +29,9 @@ Floats = NDArray[np.float32]
 
 STOP_S: Final = 0.2
 """Seconds that make a stop."""
+SYMMETRIC: Final = 0.005
+"""A pose is symmetric up to this D*(a, a): 11° r.m.s. between left and right, as people reach who stand at ease. It is a fixed
+angle, so that a person agrees by eye, whatever else the recording holds."""
 PARTING_S: Final = 0.6
 """Seconds that two ways may take to part."""
 _ROWS: Final = 128
@@ -66,6 +69,10 @@ _PATH: Final = (5.0, 0.025, 0.2, 3.0)
 """The same of two traversals of a path: tempo is warped away, but a way is less precise than the places it leads to."""
 _AWAY: Final = 8.0
 """Times `same`, or `_FAR` of the spread: the movement has left."""
+_CENTRED: Final = 4.0
+_CENTRED_SHARE: Final = 0.04
+"""D*(a, a) of a pose that the movement cannot tell from its mirror image: so many times `same`, or this share of the spread. It
+makes a state symmetric only where D is not one of poses, and D* therefore no angle."""
 _PRECISE: Final = 0.005
 """Of the spread: nobody tells two ways apart that differ so little."""
 
@@ -87,7 +94,9 @@ class Nearness:
     path: float
     """Mean distance, warped, of two traversals of one path."""
     symmetric: float
-    """D*(a, a) of a symmetric state."""
+    """D*(a, a) of a symmetric state is no more than this."""
+    centred: float
+    """A pose of less D*(a, a) than this is no state together with one of much more."""
     precise: float
     """Within this two traversals are one path, however much nearer others are."""
 
@@ -123,6 +132,8 @@ def judge_nearness(moments: Moments, breaks: Sequence[int] = ()) -> Nearness:
     floor = _NOISE_FACTOR * moments.noise
     same = max(floor, min(_LOOSER * recurring, _SAME_MOST * spread), _ROUNDING)
 
+    centred = max(_CENTRED * same, _CENTRED_SHARE * spread)
+
     def between(times: float, least: float, most: float, at_least: float) -> float:
         return float(np.clip(times * same, least * spread, max(most * spread, at_least * same)))
 
@@ -133,7 +144,8 @@ def judge_nearness(moments: Moments, breaks: Sequence[int] = ()) -> Nearness:
         visit=between(*_VISIT),
         away=max(_AWAY * same, _FAR * spread),
         path=between(*_PATH),
-        symmetric=max(4 * same, 0.04 * spread),
+        symmetric=centred if moments.poses is None else max(SYMMETRIC, floor),
+        centred=centred if moments.poses is None else min(max(SYMMETRIC, floor), centred),
         precise=_PRECISE * spread,
     )
 

@@ -10,6 +10,7 @@ A state that leaves no trace (one way in, one way out, no stop, no turning back,
 from __future__ import annotations
 
 import bisect
+import dataclasses
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations, groupby, pairwise, product
@@ -18,7 +19,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kinesics.grammar import ground, lags
+from kinesics.grammar import bias, ground, lags
 from kinesics.grammar.cyclic import Cyclic
 from kinesics.grammar.ground import Mark, Nearness
 from kinesics.grammar.linkage import clusters
@@ -50,6 +51,8 @@ _UNLIKE: Final = 2.5
 
 _CHIRAL: Final = 4.0
 """A pose with so many times the D*(a, a) of what still counts as symmetric is clearly not."""
+_BIASED: Final = 2.0
+"""A bias may double what counts as symmetric: both bones of a forearm turned by 40° against the other's make .008 of D*."""
 _APART: Final = 4.0
 """No √(2D) is so large."""
 
@@ -186,6 +189,24 @@ def _leaders(moments: Moments, index: NDArray[np.intp], reach: float, symmetric:
     return out
 
 
+def _without_bias(moments: Moments, near: Nearness, breaks: Sequence[int]) -> Moments:
+    """The same moments, what keeps them from symmetry being no constant difference of left and right (`kinesics.grammar.bias`).
+
+    Only of poses that are nearly symmetric as they are: in a recording of few poses the estimate holds some of their asymmetry, and
+    no pose that is clearly chiral may become symmetric by it.
+    """
+    if moments.poses is None:
+        return moments
+    symmetry = moments.symmetry.copy()
+    for start, end in pairwise((0, *breaks, moments.count)):
+        part = moments.cut(start, end)
+        estimate = bias.estimate(part)
+        assert estimate is not None
+        fair = np.minimum(part.symmetry, bias.without(part, estimate).symmetry)
+        symmetry[start:end] = np.where(part.symmetry <= _BIASED * near.symmetric, fair, part.symmetry)
+    return dataclasses.replace(moments, symmetry=symmetry)
+
+
 def _state_of(moments: Moments, group: Sequence[Mark], near: Nearness) -> ReadState:
     """The middle of a cluster, of its traced moments where there are any."""
     traced = [m for m in group if m.traced]
@@ -197,7 +218,7 @@ def _state_of(moments: Moments, group: Sequence[Mark], near: Nearness) -> ReadSt
         for first in range(0, len(middle), step)
     ]
     moment = int(middle[np.concatenate(means).argmin()])
-    symmetric = float(np.median(moments.symmetry[middle])) < near.symmetric
+    symmetric = float(np.median(moments.symmetry[middle])) <= near.symmetric
     return ReadState(moment, symmetric, bool(traced))
 
 
@@ -716,8 +737,9 @@ def read(
     marks: list[Mark] = []
     if not inside.all():
         marks = [m for m in ground.all_marks(moments, near, breaks, progress) if not inside[m.moment]]
-    groups = _cluster(moments, marks, near.state, near.symmetric) if marks else []
-    states = [_state_of(moments, group, near) for group in groups]
+    fair = _without_bias(moments, near, breaks)
+    groups = _cluster(fair, marks, near.state, near.centred) if marks else []
+    states = [_state_of(fair, group, near) for group in groups]
     states = _refined(moments, states, near, breaks) if states else []
     states, roles = _with_cyclic(moments, states, cyclic, near)
     fixed = {k for k, _ in roles.values()}
@@ -727,7 +749,7 @@ def read(
         if not states:
             # a cycle without stop, turning back or parting of ways has its state at its slowest moment
             slowest = int(moments.speed.argmin())
-            states = [_state_of(moments, [Mark(slowest, True)], near)]
+            states = [_state_of(fair, [Mark(slowest, True)], near)]
         visits = [v for v in _visits(seen, states) if not inside[v.at]]
         visits, keys = _cyclic_visits(visits, cyclic, roles)
         shadows = _shadows(moments, states, visits, near, breaks) - fixed
