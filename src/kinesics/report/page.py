@@ -428,8 +428,9 @@ def _stillness_words(analysis: Analysis) -> str:
 def _symmetry_words(analysis: Analysis) -> str:
     threshold = analysis.parameters["symmetric_states"]["threshold"]
     bars = (
-        " The motion graph judges a state by all of its visits together and sets a small constant difference of left and right "
-        "aside: a single visit of a state under a bar may lie outside these stretches."
+        " The motion graph has the same threshold (more where the sensors are noisier), but judges a state by all of its visits "
+        "together and sets a small constant difference of left and right aside: a single visit of a state under a bar may lie "
+        "outside these stretches."
         if analysis.graph.states
         else ""
     )
