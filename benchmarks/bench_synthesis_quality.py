@@ -158,7 +158,7 @@ def run() -> list[Table]:
                 "touches not played",
                 "below the floor, cm",
                 "D to nearest, worst (accepted)",
-                "beyond joint range: frames > .1°, worst",
+                "beyond joint range: frames > 1° (the tolerance), worst",
                 "limbs deeper than recorded: frames > 1 cm, worst cm",
             ],
             rows,
@@ -166,7 +166,7 @@ def run() -> list[Table]:
                 "p99 is the 99th percentile of the recordings, joint by joint. Beyond p99: share of all joints and frames of "
                 "transitions, 1 % over all that was recorded. Added: 99th percentile of what differs, as a vector, from the "
                 "same moment as recorded. Targets: shares as in brackets, added ≤ 1; slide ≤ 1 cm; ground time within 10 %; ≤ 1 cm "
-                "below the floor; D ≤ accepted; nothing beyond the joints' range, no limb deeper.",
+                "below the floor; D ≤ accepted; no joint beyond its range by more than 1°, no limb deeper.",
             ],
         ),
         Table(

@@ -33,7 +33,7 @@ ASTRAY: Final = 0.008
 """Metres of a foot from its place beneath the body."""
 ADRIFT: Final = 0.2
 """Metres of the body over the floor from its place."""
-BOUND: Final = 0.003
+BOUND: Final = 0.0005
 """Metres of a foot from where a joint at the end of its range has it."""
 SINKING: Final = 0.02
 """Metres of the body's height."""

@@ -19,7 +19,7 @@ from kinesics.body.motion import Motion
 from kinesics.body.pose import poses
 from kinesics.geometry import quaternion
 from kinesics.similarity import distance, mirror_distance
-from kinesics.synthesis.rendering import BEARING, FLESH, Performance, Stage
+from kinesics.synthesis.rendering import BEARING, FLESH, RANGE_TOLERANCE, Performance, Stage
 from kinesics.synthesis.repertoire import Repertoire
 
 Array = NDArray[np.float64]
@@ -28,6 +28,7 @@ Mask = NDArray[np.bool_]
 QUANTILE: Final = 0.99
 SLIDE: Final = 0.01
 """Metres that a foot may slide in one contact."""
+_ROUNDING: Final = 1e-6
 _BLOCK: Final = 512
 
 
@@ -72,7 +73,7 @@ class Quality:
     joint_excess: float
     """Radians by which a joint goes beyond its range in the recordings, mirrored counted, at worst."""
     joint_excess_share: float
-    """Share of frames in which any joint does by more than a tenth of a degree."""
+    """Share of frames in which any joint does by more than the tolerance (`rendering.RANGE_TOLERANCE`, one degree)."""
     collision: float
     """Metres by which two parts of the body pass deeper into each other than the same two ever do in the recordings."""
     collision_share: float
@@ -146,7 +147,7 @@ def measure(performance: Performance, repertoire: Repertoire, *, threshold: floa
         penetration=Beside(sunk, own.penetration),
         distance=Beside(float(_nearest(motion, repertoire).max()), threshold),
         joint_excess=float(excess.max(initial=0.0)),
-        joint_excess_share=float(np.mean((excess > np.deg2rad(0.1)).any(axis=1))),
+        joint_excess_share=float(np.mean((excess > RANGE_TOLERANCE + _ROUNDING).any(axis=1))),
         collision=float(max(0.0, deep.max(initial=0.0))),
         collision_share=float(np.mean((deep > FLESH).any(axis=1))),
         lowered=float(performance.lowered.max()),

@@ -8,7 +8,7 @@
    the lower a point, the more (heel, then ball, then tip). What is added to the places of feet and body, so that bearing
    soles neither slide nor hover and nothing is accelerated more than need be, is sought for all frames at once
    (`kinesics.synthesis.footing`). No sole is let below the floor.
-4. Legs reach by inverse kinematics; feet keep their orientation. A joint that would go beyond its range in the recordings is
+4. Legs reach by inverse kinematics; feet keep their orientation. A joint that would go more than a degree beyond its range is
    put back, a leg that would go deeper into the other than it ever does is moved aside, and the body goes along as far as it
    can (steps 3 and 4 again); what is left a foot slides: range first.
 
@@ -30,7 +30,7 @@ from numpy.typing import ArrayLike, NDArray
 from kinesics.body import contacts as _contacts
 from kinesics.body import kinematics
 from kinesics.body.contacts import Floor, Soles, runs
-from kinesics.body.limits import Capsules, segment_distance
+from kinesics.body.limits import JOINT_TOLERANCE, Capsules, segment_distance
 from kinesics.body.motion import Motion
 from kinesics.errors import InputError
 from kinesics.geometry import quaternion
@@ -68,7 +68,7 @@ SOFTLY: Final = 0.05
 """Seconds before and after over which the height of a foot is corrected: less than a step, more than a marker's tremble."""
 SUNK: Final = 0.004
 """Metres below the floor that are let pass: a sole gives way."""
-ROUNDS: Final = 4
+ROUNDS: Final = 10
 """Most times that feet are planted, joints put back that were bent too far, and planted again as far as these go."""
 _LEGS: Final = {"left", "right", "femur", "tibia"}
 _SHORT: Final = 0.001
@@ -77,6 +77,9 @@ FLESH: Final = 0.01
 """Metres that limbs may press deeper into each other than they do in the recordings: flesh gives way by twice as much, and
 radii are known no better (`kinesics.body.limits.DEPTH_TOLERANCE`)."""
 _NOTHING: Final = np.deg2rad(0.2)
+RANGE_TOLERANCE: Final = JOINT_TOLERANCE
+"""Radians that a joint may go beyond its range in the recordings: as much as the limits of a file are known to
+(`kinesics.body.limits.JOINT_TOLERANCE`). At the end of a leg it is a centimetre and a half."""
 YIELD: Final = 0.1
 """Seconds before and after over which a joint goes back that would go beyond its range."""
 _FLIGHT: Final = 0.05
@@ -530,7 +533,8 @@ def _within_range(stage: Stage, rotations: Array, joints: Indices, where: Mask |
     """
     reach = max(1, round(YIELD * stage.repertoire.fps))
     frames = np.arange(len(rotations)) if where is None else np.nonzero(where)[0]
-    middle, low, high = stage.middle[joints], stage.low[joints], stage.high[joints]
+    middle = stage.middle[joints]
+    low, high = stage.low[joints] - RANGE_TOLERANCE, stage.high[joints] + RANGE_TOLERANCE
     vectors = blending.rotation_offset(middle, rotations[np.ix_(frames, joints)])
     beyond = np.maximum(np.maximum(vectors - high, low - vectors), 0.0)
     for n in np.nonzero((beyond > 1e-9).any(axis=(0, 2)))[0].tolist():
