@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import kinesics as kx
+from kinesics.errors import InputError
 from kinesics.formats import read_extras
 from kinesics.report.performances import performance_schema
 from kinesics.synthesis import goals
@@ -354,4 +355,31 @@ def test_a_target_that_no_way_leads_to_is_told_so() -> None:
     straight = kx.performer.walk(seconds=10, fps=30).motion
     done = kx.perform(straight, target=(0.0, -4.0), mirrored=False, bend=0.0, seconds=8)
     (doubt,) = [w for w in done.warnings if "did not reach" in w]
-    assert "no way that these recordings could take leads there" in doubt
+    assert "no way there was found" in doubt
+
+
+@pytest.mark.parametrize("name", ["bow", "wave"])
+def test_legs_that_never_move_may_be_performed(name: str) -> None:
+    """Perfectly still legs have no accelerations to be measured by."""
+    still = getattr(kx.performer, name)(seconds=4).motion
+    done = kx.perform(still, seconds=3)
+    assert done.frame_count == 360
+    assert np.isfinite(done.rotations).all()
+
+
+def test_a_route_gone_beside_is_not_attained() -> None:
+    """Whoever goes metres away from the line did not follow it, though the line was gone along."""
+    straight = kx.performer.walk(seconds=8, fps=30).motion
+    piece = kx.performance(straight, route=[(6.0, 0.0), (6.0, 3.0)], mirrored=False, bend=0.0, seconds=6)
+    assert piece.aside is not None
+    assert piece.aside > 1.0
+    assert not piece.attained
+    assert piece.motion.warnings
+
+
+@pytest.mark.parametrize(("motions", "seconds"), [(None, 5), (7, 5), ("walk", "5")])
+def test_what_is_no_motion_or_no_number_is_refused(motions: Any, seconds: Any) -> None:
+    """One clear error, whatever is handed in."""
+    walk = kx.performer.walk(seconds=4, fps=30).motion
+    with pytest.raises(InputError, match=r"motions|seconds"):
+        kx.perform(walk if motions == "walk" else motions, seconds=seconds)

@@ -112,6 +112,15 @@ def perform(
             "--beta", metavar="B", rich_help_panel=_PANEL, help="How strictly the goal decides: 0 strolls, inf never."
         ),
     ] = 100.0,
+    bend: Annotated[
+        float,
+        typer.Option(
+            "--bend",
+            metavar="DEG",
+            rich_help_panel=_PANEL,
+            help="How much the way may be bent towards the goal, degrees a metre; more is tried where that does not do. 0: none.",
+        ),
+    ] = 5.0,
     backwards: Annotated[
         bool, typer.Option("--backwards", rich_help_panel=_PANEL, help="Recordings may be played backwards, too.")
     ] = False,
@@ -193,6 +202,7 @@ def perform(
             linger=linger,
             seed=seed,
             beta=beta,
+            bend=bend,
             mirrored=not no_mirror,
             backwards=backwards,
             skeleton=body,

@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
@@ -164,8 +164,8 @@ def performance(
 ) -> Piece:
     """As `perform`, with all that is known of how the movement came about."""
     wish = _Wish.of(target, route, from_state, to_state, favour, goal)
-    if seconds is not None and not (np.isfinite(seconds) and 0.0 < seconds <= LONGEST):
-        raise InputError(f"Expected `seconds` above 0 and at most {LONGEST:g}, got {seconds}.")
+    if seconds is not None and not (isinstance(seconds, int | float | np.number) and 0.0 < float(seconds) <= LONGEST):
+        raise InputError(f"Expected `seconds` above 0 and at most {LONGEST:g}, got {seconds!r}.")
     seed = _whole(seed)
     given = _given(motions, mapping)
     progress(0.0, "bringing the recordings together")
@@ -220,6 +220,7 @@ def performance(
         "seed": seed,
         "beta": float(beta) if np.isfinite(beta) else "infinite",
         "bend": float(bend),
+        "bend_used": float(bent),
         "mirrored": bool(mirrored),
         "backwards": bool(backwards),
         "fps": stock.fps,
@@ -338,6 +339,8 @@ class _Wish:
 
 
 def _given(motions: Motion | Sequence[Motion], mapping: Mapping[str, object] | None) -> list[Motion]:
+    if not isinstance(motions, Motion | Iterable):
+        raise InputError(f"Expected motions to perform from, got {type(motions).__name__}.")
     given = [motions] if isinstance(motions, Motion) else list(motions)
     for k, motion in enumerate(given):
         if not isinstance(motion, Motion):
@@ -480,8 +483,8 @@ def _doubts(piece: Piece, wish: _Wish, ahead: Prospects, most: float, seconds: f
             )
         elif wish.target is not None and _hopeless(piece, wish, ahead):
             advice = (
-                ": no way that these recordings could take leads there, however long; give recordings that turn more, or "
-                "allow more `bend`"
+                ": no way there was found with these recordings; give recordings that turn more, another seed, or allow "
+                "more `bend` (--bend)"
             )
         elif wish.target is not None or wish.route is not None:
             advice = (

@@ -17,6 +17,9 @@ from kinesics.synthesis.goals import RADIUS
 from kinesics.synthesis.network import Network, Pruned
 from kinesics.synthesis.rendering import Performance, Provenance
 
+ASIDE: Final = 1.0
+"""Metres: who goes further than this from a route, in the median, did not follow it."""
+
 Array = NDArray[np.float64]
 
 SCHEMA_VERSION: Final = 1
@@ -98,7 +101,9 @@ class Piece:
 
     @property
     def attained(self) -> bool:
-        """Whether the goal was, a target by the movement as performed; False if there was none that could be."""
+        """Whether the goal was, a target or route by the movement as performed; False if there was none that could be."""
+        if self.aside is not None and self.aside > ASIDE:
+            return False
         return self.course.attained if self.nearest is None else self.nearest <= RADIUS
 
     @property

@@ -46,6 +46,10 @@ Indices = NDArray[np.intp]
 
 YARDSTICK: Final = 0.99
 """Quantile of the recordings' own accelerations that a transition may not exceed."""
+LEAST_TURNING: Final = 1.0
+"""rad/s²: legs that stand perfectly still in the recordings may yet be turned by so much; nobody sees it."""
+LEAST_BODY: Final = 0.1
+"""m/s²: the same of the body."""
 SPARED: Final = 0.5
 """Share of that acceleration which the transition may add to the recordings' own."""
 BEARING: Final = 0.008
@@ -207,6 +211,7 @@ class Stage:
             place = repertoire.root_positions[0]
             change = place[inside + w] - 2.0 * place[inside] + place[inside - w]
             accelerations[-1] = np.quantile(np.linalg.norm(change, axis=-1), YARDSTICK) / seconds**2
+            np.maximum(accelerations, 1e-6, out=accelerations)  # legs of a performed body may not move at all
         middle = np.empty((skeleton.joint_count, 4))
         flat = rotations.reshape(-1, skeleton.joint_count, 4)
         middle[:] = quaternion.mean(flat[:: max(1, len(flat) // 4000)])
@@ -230,9 +235,9 @@ class Stage:
             vectors.min(axis=0),
             vectors.max(axis=0),
             footing.Usual(
-                accelerations[list(legs.femurs)],
-                accelerations[list(legs.tibias)],
-                float(accelerations[-1]),
+                np.maximum(accelerations[list(legs.femurs)], LEAST_TURNING),
+                np.maximum(accelerations[list(legs.tibias)], LEAST_TURNING),
+                max(float(accelerations[-1]), LEAST_BODY),
             ),
             capsules,
             deepest,
