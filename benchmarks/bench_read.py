@@ -17,12 +17,12 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 import numpy as np
 
 import kinesics as kx
 from harness import Table, data_folder, in_turn, main
-from kinesics.formats import text
 from peer import Peer, PeerMissingError
 
 PYMOTION = """
@@ -83,11 +83,8 @@ def without_native(path: Path) -> Callable[[], Any]:
     """Our reader as it is where the compiled kernels were not built."""
 
     def job() -> None:
-        kept, text._native = text._native, None  # type: ignore[assignment]
-        try:
+        with mock.patch.dict(os.environ, KINESICS_NO_NATIVE="1"):
             kx.read(path)
-        finally:
-            text._native = kept
 
     return job
 

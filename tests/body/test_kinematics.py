@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from kinesics import compiled
 from kinesics.body import kinematics
 from kinesics.body.motion import Motion
 from kinesics.body.skeleton import Skeleton
@@ -18,7 +19,7 @@ from naive import kinematics as naive
 @pytest.fixture(params=["compiled", "numpy"])
 def way(request, monkeypatch):
     """Each way forced in turn."""
-    if request.param == "compiled" and kinematics._native is None:
+    if request.param == "compiled" and compiled.native is None:
         pytest.skip("The compiled kernels were not built.")
     monkeypatch.delenv("KINESICS_KERNEL", raising=False)
     monkeypatch.setenv("KINESICS_NO_NATIVE", "1" if request.param == "numpy" else "0")
@@ -59,7 +60,7 @@ def test_matches_the_twin(rng, way, frames, joints, moving):
 @given(seed=st.integers(0, 2**32 - 1), frames=st.integers(1, 3000), joints=st.integers(1, 30))
 def test_both_ways_agree(seed, frames, joints):
     """Compiled, on one thread or several, and in NumPy: the same for any tree and length."""
-    if kinematics._native is None:
+    if compiled.native is None:
         pytest.skip("The compiled kernels were not built.")
     rng = np.random.default_rng(seed)
     skeleton = random_tree(rng, joints)
@@ -67,11 +68,11 @@ def test_both_ways_agree(seed, frames, joints):
     with pytest.MonkeyPatch.context() as patch:
         patch.delenv("KINESICS_KERNEL", raising=False)
         patch.setenv("KINESICS_NO_NATIVE", "0")
-        compiled = kinematics.forward(skeleton, rotations, roots)
+        quick = kinematics.forward(skeleton, rotations, roots)
         patch.setenv("KINESICS_NO_NATIVE", "1")
         plain = kinematics.forward(skeleton, rotations, roots)
-    np.testing.assert_allclose(compiled.positions, plain.positions, atol=1e-11)
-    np.testing.assert_allclose(compiled.rotations, plain.rotations, atol=1e-13)
+    np.testing.assert_allclose(quick.positions, plain.positions, atol=1e-11)
+    np.testing.assert_allclose(quick.rotations, plain.rotations, atol=1e-13)
 
 
 def test_rest_is_the_skeleton(rng, way):

@@ -10,7 +10,6 @@ import kinesics as kx
 import small_files
 from kinesics.body.motion import Source
 from kinesics.errors import FileError, InputError
-from kinesics.formats import text
 from kinesics.geometry import quaternion
 from naive import formats as naive
 
@@ -31,7 +30,7 @@ def parser(request, monkeypatch):
     if request.param == "native":
         pytest.importorskip("kinesics._native", reason="Built without the compiled kernels.")
     else:
-        monkeypatch.setattr(text, "_native", None)
+        monkeypatch.setenv("KINESICS_NO_NATIVE", "1")
     return request.param
 
 

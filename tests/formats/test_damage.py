@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 import kinesics as kx
 import small_files
 from kinesics.errors import FileError, InputError
-from kinesics.formats import text
 
 FIRST = small_files.BVH_LINES_BEFORE_FRAMES + 1
 """Line of the first frame of the small BVH."""
@@ -165,7 +164,7 @@ ASF_DAMAGE = {
 def test_a_damaged_bvh_is_one_error_with_its_line(tmp_path, monkeypatch, damage, python) -> None:
     """What is wrong, where, and what was expected; with and without the compiled parser."""
     if python:
-        monkeypatch.setattr(text, "_native", None)
+        monkeypatch.setenv("KINESICS_NO_NATIVE", "1")
     change, line, words = BVH_DAMAGE[damage]
     path = tmp_path / "a.bvh"
     path.write_text(change(small_bvh()))
@@ -184,7 +183,7 @@ def test_a_damaged_bvh_is_one_error_with_its_line(tmp_path, monkeypatch, damage,
 def test_a_damaged_amc_is_one_error_with_its_line(tmp_path, monkeypatch, damage, python) -> None:
     """What is wrong, where, and what was expected; with and without the compiled parser."""
     if python:
-        monkeypatch.setattr(text, "_native", None)
+        monkeypatch.setenv("KINESICS_NO_NATIVE", "1")
     change, line, words = AMC_DAMAGE[damage]
     (tmp_path / "07.asf").write_text(small_files.ASF)
     path = tmp_path / "07_01.amc"

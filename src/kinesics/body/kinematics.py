@@ -5,19 +5,14 @@ The compiled kernel does it where it was built, NumPy elsewhere (or with ``KINES
 
 from __future__ import annotations
 
-import os
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kinesics import compiled
 from kinesics.errors import InputError
 from kinesics.geometry import quaternion
-
-try:
-    from kinesics import _native
-except ImportError:  # built without a compiler
-    _native = None  # type: ignore[assignment]
 
 if TYPE_CHECKING:
     from kinesics.body.skeleton import Skeleton
@@ -100,22 +95,13 @@ def _check(
     return q, roots, shifts
 
 
-def _native_wanted() -> bool:
-    """Whether the compiled kernel is there and the environment does not ask for NumPy."""
-    return (
-        _native is not None
-        and os.environ.get("KINESICS_NO_NATIVE", "") in ("", "0")
-        and os.environ.get("KINESICS_KERNEL", "") != "numpy"
-    )
-
-
 def _solve(
     skeleton: Skeleton, q: Array, roots: Array | None, shifts: Array | None, world: Array | None, where: Array | None
 ) -> None:
     """Write into ``world`` (orientations) and ``where`` (positions; needs ``roots``), whichever are given."""
-    if _native_wanted():
+    if compiled.wanted():
         parents = np.array(skeleton.parents, dtype=np.int32)
-        _native.forward_kinematics(parents, skeleton.offsets, q, roots, shifts, world, where)
+        compiled.native.forward_kinematics(parents, skeleton.offsets, q, roots, shifts, world, where)
         return
     world = np.empty_like(q) if world is None else world
     world[:, 0] = q[:, 0]

@@ -14,12 +14,8 @@ from typing import Final, NamedTuple, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
+from kinesics import compiled
 from kinesics.errors import FileError
-
-try:
-    from kinesics import _native
-except ImportError:  # built without the compiled kernels
-    _native = None  # type: ignore[assignment]
 
 Array = NDArray[np.float64]
 
@@ -147,8 +143,8 @@ def parse_rows(data: bytes, start: int, columns: int) -> Table:
 
     Blank lines and lines that begin with ``#`` or ``//`` are passed over.
     """
-    if _native is not None and hasattr(_native, "parse_rows"):
-        values, stop = _native.parse_rows(data, start, columns)
+    if compiled.wanted():
+        values, stop = compiled.native.parse_rows(data, start, columns)
         return Table(values, stop)
     return _parse_rows_python(data, start, columns)
 
@@ -159,8 +155,8 @@ def parse_labelled(data: bytes, start: int, labels: list[str], counts: list[int]
     A frame is a line with its number (column 0), then for each label a line with the label and so many numbers. Blank lines
     and lines that begin with ``#`` are passed over.
     """
-    if _native is not None and hasattr(_native, "parse_labelled"):
-        values, stop = _native.parse_labelled(data, start, labels, counts)
+    if compiled.wanted():
+        values, stop = compiled.native.parse_labelled(data, start, labels, counts)
         return Table(values, stop)
     return _parse_labelled_python(data, start, labels, counts)
 

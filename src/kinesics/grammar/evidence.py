@@ -14,13 +14,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from kinesics import compiled
 from kinesics.grammar import lags, period
 from kinesics.grammar.moments import Moments
-
-try:
-    from kinesics import _native
-except ImportError:  # built without a compiler: NumPy does it, more slowly
-    _native = None  # type: ignore[assignment]
 
 Array = NDArray[np.float64]
 Distances = NDArray[Any]
@@ -344,8 +340,8 @@ def _window_mean(by_lag: Distances, start: int, width: int) -> float:
 def folded(distance: Distances, weight: Array) -> tuple[float, int]:
     """The cheapest path from (first, last) inwards to the identity axis, mean distance by way travelled; and where it ends."""
     n = len(distance)
-    if lags.compiled():
-        return _native.folded(np.ascontiguousarray(distance, dtype=np.float32), np.ascontiguousarray(weight))
+    if compiled.wanted():
+        return compiled.native.folded(np.ascontiguousarray(distance, dtype=np.float32), np.ascontiguousarray(weight))
     cells = distance[:, ::-1].astype(np.float64)  # (i from the front, j from the back)
     back = weight[::-1]
     cost = np.full((n, n), np.inf)

@@ -15,14 +15,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from kinesics.grammar import lags
+from kinesics import compiled
 from kinesics.grammar.moments import Moments
 from kinesics.progress import Progress
-
-try:
-    from kinesics import _native
-except ImportError:  # built without a compiler: NumPy does it, more slowly
-    _native = None  # type: ignore[assignment]
 
 Array = NDArray[np.float64]
 Floats = NDArray[np.float32]
@@ -231,32 +226,17 @@ def localise(moments: Moments, same: float, progress: Progress) -> Ground:
     out = Ground(np.zeros(n, dtype=np.bool_), np.full(n, -1, dtype=np.int64), np.zeros(n, dtype=np.bool_))
     places = np.empty(n, dtype=np.int64)
     farthest = np.zeros(n, dtype=np.float32)
-    step = _compiled_block if lags.compiled() else _block
+    step = compiled.native.localise if compiled.wanted() else _block
     count, last, last_mirrored = 0, -1, False
     for first in range(0, n, _ROWS):
         stop = min(first + _ROWS, n)
         progress(first / n, "comparing moments")
         here = np.arange(first, stop)
         d, s = moments.between(here, np.concatenate([places[:count], here]))
-        count, last, last_mirrored = step(d, s, first, same, count, last, last_mirrored, places, farthest, out)
+        count, last, last_mirrored = step(
+            d, s, first, same, count, last, last_mirrored, places, farthest, out.new, out.where, out.mirrored
+        )
     return out
-
-
-def _compiled_block(
-    d: Floats,
-    s: Floats,
-    first: int,
-    same: float,
-    count: int,
-    last: int,
-    last_mirrored: bool,
-    places: NDArray[np.int64],
-    farthest: Floats,
-    out: Ground,
-) -> tuple[int, int, bool]:
-    return _native.localise(
-        d, s, first, same, count, last, last_mirrored, places, farthest, out.new, out.where, out.mirrored
-    )
 
 
 def _block(
@@ -269,9 +249,11 @@ def _block(
     last_mirrored: bool,
     places: NDArray[np.int64],
     farthest: Floats,
-    out: Ground,
+    new: NDArray[np.bool_],
+    where: NDArray[np.int64],
+    mirrored: NDArray[np.bool_],
 ) -> tuple[int, int, bool]:
-    """Some moments further: d and s are between them and the places so far, then themselves."""
+    """Some moments further: d and s are between them and the places so far, then themselves. The compiled one is its equal."""
     before = count
     columns = np.empty(before + len(d), dtype=np.intp)
     columns[:before] = np.arange(before)
@@ -294,15 +276,15 @@ def _block(
                 if min(straight[i], image[k]) < same:
                     # where both fit, near a symmetric pose, the unmirrored one
                     found, is_mirrored = (i, False) if straight[i] <= image[k] + 0.2 * same else (k, True)
-        out.new[t] = found < 0
+        new[t] = found < 0
         if found < 0:
             places[count] = t
             columns[count] = before + row
             farthest[count] = 0.0
             count += 1
         else:
-            out.where[t] = places[found]
-            out.mirrored[t] = is_mirrored
+            where[t] = places[found]
+            mirrored[t] = is_mirrored
         last, last_mirrored = found, is_mirrored
     return count, last, last_mirrored
 

@@ -12,17 +12,13 @@ beyond the end (`kinesics.grammar.moments.Moments.by_lag`, or `diagonals` of a m
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-try:
-    from kinesics import _native
-except ImportError:  # built without a compiler: NumPy does it, more slowly
-    _native = None  # type: ignore[assignment]
+from kinesics import compiled
 
 Array = NDArray[np.float64]
 Distances = NDArray[Any]
@@ -88,18 +84,13 @@ def follow(by_lag: Distances, lag: float, *, bend: float, band: float = BAND) ->
     length = by_lag.shape[1] - high
     if length < 3 or high < low:
         return None
-    if compiled():
+    if compiled.wanted():
         path = np.empty(length, dtype=np.int64)
-        _native.cheapest_path(np.ascontiguousarray(by_lag, dtype=np.float32), low, high + 1 - low, bend, path)
+        compiled.native.cheapest_path(np.ascontiguousarray(by_lag, dtype=np.float32), low, high + 1 - low, bend, path)
         lags = path.astype(np.intp)
     else:
         lags = _cheapest(by_lag[low : high + 1, :length], bend)
     return LagPath(lags + low, by_lag[low + lags, np.arange(length)].astype(np.float64))
-
-
-def compiled() -> bool:
-    """Whether the compiled module does the work; else NumPy does it, more slowly (``KINESICS_NO_NATIVE=1`` asks for that)."""
-    return _native is not None and os.environ.get("KINESICS_NO_NATIVE", "") in ("", "0")
 
 
 def _cheapest(rows: Distances, bend: float) -> NDArray[np.intp]:
@@ -138,8 +129,8 @@ def turning(by_lag: Distances, reach: int, *, bend: float) -> Turning:
     """
     n = by_lag.shape[1]
     costs = np.full(2 * n - 1, np.inf)
-    if compiled():
-        _native.turning_costs(np.ascontiguousarray(by_lag, dtype=np.float32), reach, bend, costs)
+    if compiled.wanted():
+        compiled.native.turning_costs(np.ascontiguousarray(by_lag, dtype=np.float32), reach, bend, costs)
         return Turning(costs)
     places = np.arange(2 * n - 1)
 

@@ -25,17 +25,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from kinesics import compiled
 from kinesics.grammar import lags
 from kinesics.grammar.linkage import clusters
 from kinesics.grammar.moments import Moments
 from kinesics.grammar.phrases import RATE, STILL, spread, thinned
 from kinesics.progress import Progress, silent
 from kinesics.similarity import chord
-
-try:
-    from kinesics import _native
-except ImportError:  # built without a compiler: NumPy does it, more slowly
-    _native = None  # type: ignore[assignment]
 
 Array = NDArray[np.float64]
 Floats = NDArray[np.float32]
@@ -392,9 +388,9 @@ _MOST_HITS: Final = 4
 
 def seed_costs(tile: Floats, bend: np.float32, *, backwards: bool) -> Floats:
     """Mean distance along the cheapest path of all rows that passes the middle row at each column, the worse half."""
-    if lags.compiled():
+    if compiled.wanted():
         out = np.empty(tile.shape[1], dtype=np.float32)
-        _native.seed_costs(np.ascontiguousarray(tile), float(bend), backwards, out)
+        compiled.native.seed_costs(np.ascontiguousarray(tile), float(bend), backwards, out)
         return out
     half = len(tile) // 2
     sides = []
@@ -442,9 +438,9 @@ def subsequence(tile: Floats, bend: float, *, backwards: bool = False) -> tuple[
     much as the one that is reached), so that the tempo stays between half and double. With ``backwards`` the last row comes first.
     """
     rows, n = tile.shape
-    if lags.compiled():
+    if compiled.wanted():
         totals, starts = np.empty(n, dtype=np.float32), np.empty(n, dtype=np.int64)
-        _native.subsequence(np.ascontiguousarray(tile), backwards, bend, totals, starts)
+        compiled.native.subsequence(np.ascontiguousarray(tile), backwards, bend, totals, starts)
         return totals, starts
     tile = tile[::-1] if backwards else tile
     cost = np.float32(bend)

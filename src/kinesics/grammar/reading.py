@@ -19,18 +19,14 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kinesics.grammar import bias, ground, lags
+from kinesics import compiled
+from kinesics.grammar import bias, ground
 from kinesics.grammar.cyclic import Cyclic
 from kinesics.grammar.ground import Mark, Nearness
 from kinesics.grammar.linkage import clusters
 from kinesics.grammar.moments import Moments
 from kinesics.progress import Progress, silent
 from kinesics.similarity import chord
-
-try:
-    from kinesics import _native
-except ImportError:  # built without a compiler: NumPy does it, more slowly
-    _native = None  # type: ignore[assignment]
 
 Array = NDArray[np.float64]
 Floats = NDArray[np.float32]
@@ -395,9 +391,9 @@ def _points(start: int, end: int) -> NDArray[np.intp]:
 def warped(blocks: Floats) -> Array:
     """Mean distance along the best monotone way from corner to corner, for many square blocks at once. (b, p, p) to (b,)."""
     count, p, _ = blocks.shape
-    if lags.compiled():
+    if compiled.wanted():
         out = np.empty(count)
-        _native.warped(np.ascontiguousarray(blocks), out)
+        compiled.native.warped(np.ascontiguousarray(blocks), out)
         return out
     total = np.full((count, p + 1, p + 1), np.inf)
     total[:, 0, 0] = 0.0

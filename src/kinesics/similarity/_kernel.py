@@ -12,15 +12,11 @@ from typing import Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from kinesics import compiled
 from kinesics.body import pose
 from kinesics.errors import InputError
 from kinesics.progress import Progress, silent
 from kinesics.vocabulary import MIRROR_LINKS
-
-try:
-    from kinesics import _native
-except ImportError:  # built without a compiler: NumPy does it, more slowly
-    _native = None  # type: ignore[assignment]
 
 Array = NDArray[np.float64]
 Floats = NDArray[np.float32]
@@ -47,7 +43,7 @@ class Packed(Protocol):
 
 def available() -> list[str]:
     """Code paths that this machine has, the fastest first."""
-    return [*([] if _native is None else _native.paths()), "numpy"]
+    return [*([] if compiled.native is None else compiled.native.paths()), "numpy"]
 
 
 def chosen() -> str:
@@ -58,7 +54,7 @@ def chosen() -> str:
     InputError
         If the environment asks for one that this machine does not have.
     """
-    if os.environ.get("KINESICS_NO_NATIVE", "") not in ("", "0"):
+    if compiled.declined():
         return "numpy"
     paths = available()
     wish = os.environ.get("KINESICS_KERNEL", "")
@@ -106,7 +102,7 @@ def pack(quaternions: Array, weights: Array, path: str, *, out: Floats | None = 
     if path == "numpy":
         return _NumpyPoses(quaternions, gravity, weights)
     lead = 0 if out is None else out.ctypes.data % 64 // 4
-    return _native.Poses(quaternions, gravity, weights, lead)
+    return compiled.native.Poses(quaternions, gravity, weights, lead)
 
 
 def taken(packed: Packed, frames: NDArray[np.intp]) -> Packed:
@@ -115,7 +111,7 @@ def taken(packed: Packed, frames: NDArray[np.intp]) -> Packed:
     index = np.ascontiguousarray(np.where(index < 0, index + packed.frames, index))
     if isinstance(packed, _NumpyPoses):
         return packed.taken(index)
-    assert isinstance(packed, _native.Poses)
+    assert isinstance(packed, compiled.native.Poses)
     return packed.taken(index)
 
 
@@ -134,10 +130,10 @@ def fill_distances(
             if image is not None and d_mirror is not None:
                 _numpy_distances(rows, image, d_mirror[start:end])
         return
-    assert isinstance(a, _native.Poses)
-    assert isinstance(b, _native.Poses)
+    assert isinstance(a, compiled.native.Poses)
+    assert isinstance(b, compiled.native.Poses)
     threads = 1 if d.size <= _ONE_THREAD else 0
-    _native.distances(a, b, d, d_mirror, row_start, column_start, path, threads)
+    compiled.native.distances(a, b, d, d_mirror, row_start, column_start, path, threads)
 
 
 def fill_diagonal_sums(a: Packed, b: Packed, length: int, d: Floats, d_mirror: Floats, path: str) -> None:
@@ -158,9 +154,9 @@ def fill_diagonal_sums(a: Packed, b: Packed, length: int, d: Floats, d_mirror: F
                 for k in range(length):
                     part += band[k : k + len(part), k : k + part.shape[1]]
         return
-    assert isinstance(a, _native.Poses)
-    assert isinstance(b, _native.Poses)
-    _native.diagonal_sums(a, b, length, d, d_mirror, path)
+    assert isinstance(a, compiled.native.Poses)
+    assert isinstance(b, compiled.native.Poses)
+    compiled.native.diagonal_sums(a, b, length, d, d_mirror, path)
 
 
 def fill_similarity(
@@ -190,14 +186,14 @@ def fill_similarity(
                 np.exp(np.multiply(band, np.float32(-beta), out=band), out=band)
                 out[end:, start:end] = band[:, end - start :].T
     else:
-        assert isinstance(poses, _native.Poses)
+        assert isinstance(poses, compiled.native.Poses)
         count = poses.tile_count
         first, chunk = 0, _FIRST_TILES
         while first < count:
             report(first / count, "comparing all moments")
             began = time.perf_counter()
             last = min(first + chunk, count)
-            _native.similarity_tiles(poses, z, z_mirror, beta, first, last, fresh, path)
+            compiled.native.similarity_tiles(poses, z, z_mirror, beta, first, last, fresh, path)
             took = max(time.perf_counter() - began, 1e-6)
             first, chunk = last, max(16, int((last - first) * min(_CHUNK_SECONDS / took, 8.0)))
     report(1.0, "comparing all moments")
