@@ -27,11 +27,13 @@ from harness import Table, data_folder, main
 from kinesics.body.motion import Motion
 from kinesics.synthesis.controller import perform_paths
 from kinesics.synthesis.goals import Novelty, Route
+from kinesics.synthesis.live import LiveRenderer
 from kinesics.synthesis.network import Network, network
 from kinesics.synthesis.prospects import Prospects, prospects, trails
 from kinesics.synthesis.quality import Quality, measure
-from kinesics.synthesis.rendering import LiveRenderer, Stage, render
+from kinesics.synthesis.rendering import render
 from kinesics.synthesis.repertoire import repertoire
+from kinesics.synthesis.stage import Stage
 
 _CMU = {
     "walks of 91": ("91/91_01", "91/91_34"),

@@ -14,9 +14,12 @@ from kinesics.body.limits import Capsules
 from kinesics.errors import InputError
 from kinesics.geometry import quaternion
 from kinesics.synthesis import quality
+from kinesics.synthesis.live import LiveRenderer
 from kinesics.synthesis.network import Network, network
-from kinesics.synthesis.rendering import BEARING, FLESH, RANGE_TOLERANCE, LiveRenderer, Stage, envelope, render
+from kinesics.synthesis.planting import envelope
+from kinesics.synthesis.rendering import render
 from kinesics.synthesis.repertoire import repertoire
+from kinesics.synthesis.stage import BEARING, FLESH, RANGE_TOLERANCE, Stage
 from naive import rendering as naive
 
 

@@ -19,8 +19,9 @@ from kinesics.body.motion import Motion
 from kinesics.body.pose import poses
 from kinesics.geometry import quaternion
 from kinesics.similarity import distance, mirror_distance
-from kinesics.synthesis.rendering import BEARING, FLESH, RANGE_TOLERANCE, Performance, Stage
+from kinesics.synthesis.rendering import Performance
 from kinesics.synthesis.repertoire import Repertoire
+from kinesics.synthesis.stage import BEARING, FLESH, RANGE_TOLERANCE, Stage
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -1,0 +1,246 @@
+"""Feet that bear stay where they are, in a movement whose paths are laid end to end and blended ([Schultz2012] §4.4).
+
+After Kovar, Schreiner & Gleicher 2002, *Footskate Cleanup for Motion Capture Editing*. Places of feet and body are sought for
+all frames at once (`kinesics.synthesis.footing`), legs reach by inverse kinematics, joints stay within their range and legs out
+of each other, and the body goes along as far as it can.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinesics.body import kinematics
+from kinesics.body.limits import segment_distance
+from kinesics.geometry import quaternion
+from kinesics.synthesis import blending, footing, inverse_kinematics
+from kinesics.synthesis.footing import Bounds
+from kinesics.synthesis.stage import (
+    FLESH,
+    LIFT,
+    RANGE_TOLERANCE,
+    RELEASE,
+    SINK,
+    SOFTLY,
+    SUNK,
+    Stage,
+    bearing,
+    held_around,
+    shortfall,
+)
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+Indices = NDArray[np.intp]
+
+GRIP: Final = 0.03
+"""Seconds in which a foot that comes down is held more and more firmly; in reverse as it is lifted."""
+GRIP_BEFORE: Final = 0.05
+"""Seconds before and after a contact from which on it is."""
+ROUNDS: Final = 10
+"""Most times that feet are planted, joints put back that were bent too far, and planted again as far as these go."""
+_LEGS: Final = {"left", "right", "femur", "tibia"}
+_SHORT: Final = 0.001
+"""Metres by which a foot is off where it was planted before the body goes along."""
+_NOTHING: Final = np.deg2rad(0.2)
+YIELD: Final = 0.1
+"""Seconds before and after over which a joint goes back that would go beyond its range."""
+
+
+def put_within_range(stage: Stage, rotations: Array, joints: Indices, where: Mask | None = None) -> None:
+    """Put joints back into the range that they have in the recordings, over a stretch of time rather than at once.
+
+    Parameters
+    ----------
+    rotations : shape (frames, joints, 4); changed in place.
+    joints : numbers of those looked at.
+    where : frames in which a joint can be beyond at all.
+    """
+    reach = max(1, round(YIELD * stage.repertoire.fps))
+    frames = np.arange(len(rotations)) if where is None else np.nonzero(where)[0]
+    middle = stage.middle[joints]
+    low, high = stage.low[joints] - RANGE_TOLERANCE, stage.high[joints] + RANGE_TOLERANCE
+    vectors = blending.rotation_offset(middle, rotations[np.ix_(frames, joints)])
+    beyond = np.maximum(np.maximum(vectors - high, low - vectors), 0.0)
+    for n in np.nonzero((beyond > 1e-9).any(axis=(0, 2)))[0].tolist():
+        at = blending.rotation_offset(middle[n], rotations[:, joints[n]])
+        for axis in np.nonzero((beyond[:, n] > 1e-9).any(axis=0))[0].tolist():
+            over = np.zeros((2, len(rotations)))
+            over[0, frames] = np.maximum(vectors[:, n, axis] - high[n, axis], 0.0)
+            over[1, frames] = np.maximum(low[n, axis] - vectors[:, n, axis], 0.0)
+            back = envelope(over[0], reach) - envelope(over[1], reach)
+            at[:, axis] = np.where(back != 0.0, np.clip(at[:, axis] - back, low[n, axis], high[n, axis]), at[:, axis])
+        rotations[:, joints[n]] = blending.add_rotation(middle[n], at)
+
+
+def envelope(values: Array, reach: int) -> Array:
+    """A smooth curve that is nowhere below ``values`` (frames,), which are not negative: it rises and falls over ``reach``.
+
+    The greatest within ``reach`` frames, averaged under a Hann window of the same reach.
+    """
+    from scipy.ndimage import maximum_filter1d
+
+    if not values.any():
+        return np.zeros_like(values)
+    wide = maximum_filter1d(values, 2 * reach + 1, mode="nearest")
+    return _smooth(wide, reach)
+
+
+class Footed(NamedTuple):
+    """A movement whose feet were planted."""
+
+    rotations: Array
+    """Shape (frames, joints, 4)."""
+    roots: Array
+    """Metres, shape (frames, 3)."""
+    corrected: Array
+    """Metres by which the ankles were moved, shape (frames, 2, 3)."""
+    lowered: Array
+    """Metres by which the pelvis was lowered, shape (frames,)."""
+    missed: Array
+    """Metres by which each ankle falls short of its place all the same, shape (frames, 2)."""
+
+
+def pin(stage: Stage, rotations: Array, roots: Array, standing: Mask) -> Footed:
+    """Plant the feet that bear: rotations (frames, joints, 4), roots (frames, 3), standing (frames, 2)."""
+    skeleton = stage.repertoire.skeleton
+    held = np.stack([held_around(standing[:, k], RELEASE * stage.repertoire.fps) for k in (0, 1)], axis=-1)
+    feet = list(stage.legs.feet)
+    parents = [skeleton.parents[j] for j in feet]
+    joints = np.array([*stage.legs.femurs, *stage.legs.tibias, *feet])
+    given = rotations
+    recorded = kinematics.positions(skeleton, rotations, roots)[:, feet] - roots[:, None]
+    bounds = Bounds.none(len(rotations))
+    for attempt in range(ROUNDS):
+        done = _planted(stage, given, roots, standing, held, bounds)
+        within = done.rotations.copy()
+        put_within_range(stage, within, joints)
+        push = _apart(stage, within, done.roots)
+        settled = quaternion.angle(done.rotations[:, joints], within[:, joints]).max() < _NOTHING
+        if attempt == ROUNDS - 1 or (settled and not push.any()):
+            break
+        # an ankle that would be bent too far turns its foot; the foot is then planted as it is turned
+        given = given.copy()
+        world = kinematics.global_rotations(skeleton, done.rotations)[:, parents]
+        own = kinematics.global_rotations(skeleton, given)[:, parents]
+        turned = quaternion.angle(done.rotations[:, feet], within[:, feet]) > _NOTHING
+        new = quaternion.multiply(quaternion.conjugate(own), quaternion.multiply(world, within[:, feet]))
+        given[:, feet] = np.where(turned[..., None], new, given[:, feet])
+        # where the leg would go too far the body goes along instead
+        placed = within.copy()
+        placed[:, feet] = done.rotations[:, feet]
+        reached = kinematics.positions(skeleton, placed, done.roots)[:, feet] - done.roots[:, None]
+        asked = kinematics.positions(skeleton, done.rotations, done.roots)[:, feet] - done.roots[:, None]
+        bound = (np.linalg.norm(reached - asked, axis=-1) > _SHORT) | (np.abs(push).max(axis=-1) > _SHORT)
+        bounds = Bounds(
+            np.where(bound[..., None], reached + push - recorded, bounds.place),
+            np.where(bound, footing.BOUND, bounds.tolerance),
+        )
+    return _above_the_floor(stage, done._replace(rotations=within))
+
+
+def _apart(stage: Stage, rotations: Array, roots: Array) -> Array:
+    """By how much over the floor each foot is to move so that no leg is deeper in the other than ever: (frames, 2, 3)."""
+    legs = [
+        n
+        for n, (a, b) in enumerate(stage.capsules.pairs)
+        if {part for m in (a, b) for part in stage.capsules.names[m].split()} <= _LEGS
+    ]
+    capsules = dataclasses.replace(stage.capsules, pairs=tuple(stage.capsules.pairs[n] for n in legs))
+    deepest = stage.deepest[legs]
+    known = kinematics.forward(stage.repertoire.skeleton, rotations, roots)
+    over = capsules.depths(*known) - deepest - 0.5 * FLESH
+    out = np.zeros((len(rotations), 2, 3))
+    if not (over > 0.5 * FLESH).any():
+        return out
+    starts, ends = capsules.ends(*known)
+    for n, (a, b) in enumerate(capsules.pairs):
+        deep = np.flatnonzero(over[:, n] > 0.0)
+        sides = (0, 1) if capsules.names[a].startswith("left") else (1, 0)
+        # the way apart is that in which the distance grows
+        ways = np.zeros((len(deep), 3))
+        for axis in (0, 2):
+            for sign in (1.0, -1.0):
+                shift = sign * _SHORT * np.eye(3)[axis]
+                ways[:, axis] += sign * segment_distance(
+                    starts[deep, a] + shift, ends[deep, a] + shift, starts[deep, b], ends[deep, b]
+                )
+        ways *= (over[deep, n] / np.maximum(np.linalg.norm(ways, axis=-1), 1e-9))[:, None]
+        for foot, sign in zip(sides, (1.0, -1.0), strict=True):
+            stronger = np.linalg.norm(ways, axis=-1) > np.linalg.norm(out[deep, foot], axis=-1)
+            out[deep, foot] = np.where(stronger[:, None], sign * ways, out[deep, foot])
+    reach = max(1, round(YIELD * stage.repertoire.fps))
+    for foot in (0, 1):
+        for axis in (0, 2):
+            away = out[:, foot, axis]
+            out[:, foot, axis] = envelope(np.maximum(away, 0.0), reach) - envelope(np.maximum(-away, 0.0), reach)
+    return out
+
+
+def _above_the_floor(stage: Stage, footed: Footed) -> Footed:
+    """Where feet came below the floor as joints went back into their range, the body is raised."""
+    known = kinematics.forward(stage.repertoire.skeleton, footed.rotations, footed.roots)
+    sunk = -stage.soles.place(known.positions, known.rotations)[..., 1].min(axis=(1, 2)) - SUNK
+    if sunk.max() <= 0.0:
+        return footed
+    roots = footed.roots.copy()
+    roots[:, 1] += envelope(np.maximum(sunk, 0.0), max(1, round(SOFTLY * stage.repertoire.fps)))
+    return footed._replace(roots=roots)
+
+
+def _planted(stage: Stage, rotations: Array, roots: Array, standing: Mask, held: Array, bounds: Bounds) -> Footed:
+    repertoire, legs = stage.repertoire, stage.legs
+    skeleton, fps = repertoire.skeleton, repertoire.fps
+    known = kinematics.forward(skeleton, rotations, roots)
+    soles = stage.soles.place(known.positions, known.rotations)
+    hips, knees, ankles = (known.positions[:, list(joints)] for joints in (legs.femurs, legs.tibias, legs.feet))
+    lowest = soles[..., 1].min(axis=2)
+    height = soles[..., 1] - stage.levels
+    share = bearing(0.5 * (height[1:] + height[:-1]))
+    slid = np.einsum("fkp,fkpi->fki", share, np.diff(soles[..., [0, 2]], axis=0))
+    grip = np.stack([_grip(standing[:, k], fps) for k in (0, 1)], axis=-1)
+    press = np.stack([held_around(standing[:, k], LIFT * fps) for k in (0, 1)], axis=-1)
+    found = footing.footing(
+        slid,
+        np.minimum(grip[1:], grip[:-1]),
+        lowest,
+        press,
+        footing.legs_of(hips, knees, ankles),
+        stage.usual,
+        fps,
+        bounds,
+    )
+    corrected, shift = found.feet, found.body
+    reach = max(1, round(SOFTLY * fps))
+    for k in (0, 1):
+        corrected[:, k, 1] += envelope(np.maximum(-(lowest[:, k] + corrected[:, k, 1]) - SUNK, 0.0), reach)
+    targets = ankles + corrected
+    shift[:, 1] -= _lowering(stage, known.positions + shift[:, None], targets, held, fps)
+    known = known._replace(positions=known.positions + shift[:, None])
+    done = inverse_kinematics.reach(skeleton, rotations, roots + shift, targets, limbs=legs, known=known)
+    return Footed(done.rotations, roots + shift, corrected, np.maximum(-shift[:, 1], 0.0), done.misses)
+
+
+def _grip(standing: Mask, fps: float) -> Array:
+    """How firmly a foot is held, 0 to 1: wholly while it bears, but for where it rolls on and off, shape (frames,)."""
+    from scipy.ndimage import distance_transform_edt
+
+    if standing.all() or not standing.any():
+        return standing.astype(np.float64)
+    inside = np.asarray(distance_transform_edt(standing)) - np.asarray(distance_transform_edt(~standing))
+    return np.asarray(blending.ease((inside / fps + GRIP_BEFORE) / GRIP))
+
+
+def _lowering(stage: Stage, positions: Array, targets: Array, held: Array, fps: float) -> Array:
+    """How far the pelvis gives way so that the legs reach, metres, shape (frames,)."""
+    need = shortfall(stage, positions, targets)
+    return envelope((need * held).max(axis=1), max(1, round(SINK * fps)))
+
+
+def _smooth(values: Array, reach: int) -> Array:
+    """Averaged under a Hann window of ``reach`` frames to either side."""
+    window = np.hanning(2 * reach + 3)[1:-1]
+    return np.convolve(np.pad(values, reach, mode="edge"), window / window.sum(), "valid")

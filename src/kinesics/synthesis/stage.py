@@ -1,0 +1,271 @@
+"""What is measured once on a repertoire before anything is performed from it, and what performing it at once and live share.
+
+`Stage` holds the soles and the legs, how quickly joints are accelerated and how far they go: the yardsticks of a performance
+([Schultz2012] §2.9: Cfree). Beside it stand the seam of a cut, the share that each part of a sole bears, and how firmly a foot
+is held around a contact.
+"""
+
+from __future__ import annotations
+
+import itertools
+import weakref
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinesics.body import contacts as _contacts
+from kinesics.body import kinematics
+from kinesics.body.contacts import Floor, Soles
+from kinesics.body.limits import JOINT_TOLERANCE, Capsules
+from kinesics.body.motion import Motion
+from kinesics.geometry import quaternion
+from kinesics.synthesis import blending, footing, inverse_kinematics
+from kinesics.synthesis.inverse_kinematics import Legs
+from kinesics.synthesis.repertoire import Repertoire
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+Indices = NDArray[np.intp]
+
+YARDSTICK: Final = 0.99
+"""Quantile of the recordings' own accelerations that a transition may not exceed."""
+LEAST_TURNING: Final = 1.0
+"""rad/s²: legs that stand perfectly still in the recordings may yet be turned by so much; nobody sees it."""
+LEAST_BODY: Final = 0.1
+"""m/s²: the same of the body."""
+SPARED: Final = 0.5
+"""Share of that acceleration which the transition may add to the recordings' own."""
+BEARING: Final = 0.008
+"""Metres: a point of the sole this much above the lowest bears e times less."""
+RELEASE: Final = 0.07
+"""Seconds before and after a contact over which the foot is let go."""
+_MARGIN: Final = 0.25
+"""Share of such times for which the foot is still held as if it bore: no rule tells the very frame of its lifting."""
+LIFT: Final = 0.10
+"""Seconds before and after a contact over which the sole comes down to the floor."""
+SOFTLY: Final = 0.05
+"""Seconds before and after over which the height of a foot is corrected: less than a step, more than a marker's tremble."""
+SUNK: Final = 0.004
+"""Metres below the floor that are let pass: a sole gives way."""
+SINK: Final = 0.15
+"""Seconds before and after over which the pelvis gives way where a leg cannot reach."""
+FLESH: Final = 0.01
+"""Metres that limbs may press deeper into each other than they do in the recordings: flesh gives way by twice as much, and
+radii are known no better (`kinesics.body.limits.DEPTH_TOLERANCE`)."""
+RANGE_TOLERANCE: Final = JOINT_TOLERANCE
+"""Radians that a joint may go beyond its range in the recordings: as much as the limits of a file are known to
+(`kinesics.body.limits.JOINT_TOLERANCE`). At the end of a leg it is a centimetre and a half."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """What is measured once on a repertoire: soles, legs, how quick its joints are and how far they go."""
+
+    repertoire: Repertoire
+    legs: Legs
+    soles: Soles
+    levels: Array
+    """Height above the floor at which each point of the soles usually bears, metres, shape (2, 3)."""
+    slow: float
+    """Speed below which a sole begins to bear, m/s."""
+    accelerations: Array
+    """99th percentile for each joint (rad/s²) and, last, for the root's place (m/s²), shape (joints + 1,)."""
+    blended: Indices
+    """Joints that set the length of a transition: those of the body, not fingers or toes; and the root's place."""
+    middle: Array
+    """Mean rotation of each joint over all recordings and mirror images, shape (joints, 4)."""
+    carrier: int
+    """Joint that the body hangs on: the root, or the pelvis where the root joint does nothing but stand beneath it."""
+    low: Array
+    """Least and greatest component of the rotation vector of each joint from its mean, radians, shape (joints, 3)."""
+    high: Array
+    usual: footing.Usual
+    """Accelerations of the legs and the body."""
+    capsules: Capsules
+    deepest: Array
+    """Metres that each pair of the capsules passes into each other in the recordings, mirrored counted; 0 if never."""
+
+    @classmethod
+    def of(cls, repertoire: Repertoire) -> Stage:
+        """Of a repertoire; measured once and kept as long as the repertoire is.
+
+        Raises
+        ------
+        SkeletonError
+            If the skeleton's legs have no feet.
+        """
+        if repertoire not in _stages:
+            _stages[repertoire] = cls._measured(repertoire)
+        return _stages[repertoire]
+
+    @classmethod
+    def _measured(cls, repertoire: Repertoire) -> Stage:
+        skeleton, fps = repertoire.skeleton, repertoire.fps
+        whole = Motion(skeleton, repertoire.rotations[0], repertoire.root_positions[0], fps)
+        found = _contacts.contacts(whole, ground=Floor(0.0))
+        legs = inverse_kinematics.legs(skeleton, repertoire.rotations[0][:: max(1, repertoire.frame_count // 4000)])
+        strands = (0, 1) if repertoire.mirrored else (0,)
+        rotations = repertoire.rotations[list(strands)]
+        accelerations = np.full(skeleton.joint_count + 1, 1e-6)
+        # over a thirtieth of a second to either side: from frame to frame it would be the tremble of the markers
+        w = max(1, round(fps / 30.0))
+        inside = _inner(repertoire, w)
+        if len(inside):
+            seconds = w / fps
+            at = rotations[:, inside]
+            before = blending.rotation_offset(rotations[:, inside - w], at)
+            after = blending.rotation_offset(at, rotations[:, inside + w])
+            change = np.linalg.norm(after - before, axis=-1) / seconds**2
+            accelerations[:-1] = np.quantile(change.reshape(-1, skeleton.joint_count), YARDSTICK, axis=0)
+            place = repertoire.root_positions[0]
+            change = place[inside + w] - 2.0 * place[inside] + place[inside - w]
+            accelerations[-1] = np.quantile(np.linalg.norm(change, axis=-1), YARDSTICK) / seconds**2
+            np.maximum(accelerations, 1e-6, out=accelerations)  # legs of a performed body may not move at all
+        middle = np.empty((skeleton.joint_count, 4))
+        flat = rotations.reshape(-1, skeleton.joint_count, 4)
+        middle[:] = quaternion.mean(flat[:: max(1, len(flat) // 4000)])
+        vectors = blending.rotation_offset(middle, flat)
+        levels = 0.5 * (found.levels + found.levels[::-1])
+        capsules = Capsules.of(whole)
+        deepest = np.zeros(len(capsules.pairs))
+        for strand in strands:
+            known = kinematics.forward(skeleton, repertoire.rotations[strand], repertoire.root_positions[strand])
+            deepest = np.maximum(deepest, capsules.depths(*known).max(axis=0, initial=0.0))
+        return cls(
+            repertoire,
+            legs,
+            found.soles,
+            levels,
+            found.slow,
+            accelerations,
+            _body_joints(repertoire),
+            middle,
+            _carrier(repertoire),
+            vectors.min(axis=0),
+            vectors.max(axis=0),
+            footing.Usual(
+                np.maximum(accelerations[list(legs.femurs)], LEAST_TURNING),
+                np.maximum(accelerations[list(legs.tibias)], LEAST_TURNING),
+                max(float(accelerations[-1]), LEAST_BODY),
+            ),
+            capsules,
+            deepest,
+        )
+
+
+_stages: weakref.WeakKeyDictionary[Repertoire, Stage] = weakref.WeakKeyDictionary()
+
+
+def _inner(repertoire: Repertoire, reach: int) -> Indices:
+    """Frames that have ``reach`` frames of their own recording before and behind them."""
+    inside = np.zeros(repertoire.frame_count, dtype=np.bool_)
+    for a, b in itertools.pairwise(repertoire.starts.tolist()):
+        inside[a + reach : max(a, b - reach)] = True
+    return np.nonzero(inside)[0]
+
+
+def _carrier(repertoire: Repertoire) -> int:
+    """The pelvis, if nothing else hangs on the joints above it; else the root."""
+    skeleton = repertoire.skeleton
+    assert skeleton.anatomy is not None
+    joint = pelvis = skeleton.anatomy.pelvis
+    while joint > 0:
+        joint = skeleton.parents[joint]
+        if len(skeleton.children[joint]) > 1:
+            return 0
+    return pelvis
+
+
+def _body_joints(repertoire: Repertoire) -> Indices:
+    """Joints that carry the 15 links, and number ``joint_count`` for the root's place."""
+    skeleton = repertoire.skeleton
+    assert skeleton.anatomy is not None
+    roles = skeleton.anatomy.roles
+    joints = {0, roles.pelvis, *roles.spine, *roles.neck, roles.head}
+    for side in ("left", "right"):
+        joints |= {getattr(roles, f"{side}_{part}") for part in ("femur", "tibia", "humerus", "radius")}
+    return np.array([*sorted(joints), skeleton.joint_count], dtype=np.intp)
+
+
+def turn_bodies(repertoire: Repertoire, carrier: int, rotations: Array, yaw: Array) -> None:
+    """Turn bodies (frames, joints, 4) about the vertical, in place, by turning the joint that they hang on."""
+    turn = about_y(yaw)
+    above: Array | None = None
+    joint = carrier
+    while joint > 0:
+        joint = repertoire.skeleton.parents[joint]
+        own = rotations[:, joint]
+        above = own if above is None else quaternion.multiply(own, above)
+    if above is not None:
+        turn = quaternion.multiply(quaternion.conjugate(above), quaternion.multiply(turn, above))
+    rotations[:, carrier] = quaternion.multiply(turn, rotations[:, carrier])
+
+
+def about_y(yaw: Array) -> Array:
+    """Turns about the vertical by ``yaw`` radians, shape (...) to (..., 4)."""
+    half = 0.5 * np.asarray(yaw)
+    zero = np.zeros_like(half)
+    return np.stack([np.cos(half), zero, np.sin(half), zero], axis=-1)
+
+
+def seams(
+    repertoire: Repertoire,
+    carrier: int,
+    left: Indices,
+    left_yaw: Array,
+    entered: Indices,
+    entered_yaw: Array,
+) -> tuple[Array, Array]:
+    """Offsets of what is entered from what is left, and how quickly they change, shapes (cuts, joints + 1, 3)."""
+    around = np.array([[-1], [0], [1]])
+    sides = np.stack([left, entered])
+    moments = repertoire.advance(sides[None], around[..., None])
+    there = np.asarray((moments >= 0).all(axis=1))
+    moments = np.where(there[:, None], moments, sides)
+    yaw = np.broadcast_to(np.stack([left_yaw, entered_yaw]), moments.shape).ravel()
+    q, roots = repertoire.rotations_of(moments.ravel()), repertoire.roots_of(moments.ravel())
+    turn_bodies(repertoire, carrier, q, yaw)
+    q = q.reshape(*moments.shape, *q.shape[1:])
+    place = quaternion.rotate(about_y(yaw), roots).reshape(*moments.shape, 3)
+    turned = blending.rotation_offset(q[:, 0], q[:, 1])
+    before, now, after = np.concatenate([turned, (place[:, 1] - place[:, 0])[:, :, None]], axis=2)
+    span = (there[0].astype(np.float64) + there[2].astype(np.float64))[:, None, None]
+    fps = repertoire.fps
+    # a rotation vector leaps where it passes half a turn; such an offset has no velocity that could be told
+    change = after - before
+    velocity = np.where(span > 0.0, change / np.maximum(span, 1.0) * fps, 0.0)
+    velocity = np.where(np.linalg.norm(change, axis=-1, keepdims=True) < 2.0, velocity, 0.0)
+    now = now.copy()
+    now[:, -1, [0, 2]] = 0.0  # the place on the floor is that of the recording left, by the way the paths were laid
+    return now, velocity
+
+
+def bearing(height: Array) -> Array:
+    """Share of the weight that each point of a sole bears, by its height: shape (..., points) to the same, sum 1."""
+    level = height - height.min(axis=-1, keepdims=True)
+    weight = np.exp(-level / BEARING)
+    return np.asarray(weight / weight.sum(axis=-1, keepdims=True))
+
+
+def held_around(standing: Mask, reach: float) -> Array:
+    """1 while a foot bears, going to 0 smoothly over ``reach`` frames before and after."""
+    from scipy.ndimage import distance_transform_edt
+
+    if standing.all():
+        return np.ones(len(standing))
+    away = np.asarray(distance_transform_edt(~standing))
+    return 1.0 - blending.ease((away - _MARGIN * reach) / ((1.0 - _MARGIN) * reach + 1.0))
+
+
+def shortfall(stage: Stage, positions: Array, targets: Array) -> Array:
+    """How far each hip must come down for its leg to reach, metres, shape (frames, 2)."""
+    legs = stage.legs
+    hips, knees, ankles = (positions[:, list(joints)] for joints in (legs.femurs, legs.tibias, legs.feet))
+    length = np.linalg.norm(knees - hips, axis=-1) + np.linalg.norm(ankles - knees, axis=-1)
+    now = np.linalg.norm(ankles - hips, axis=-1)
+    most = np.minimum(np.maximum(now, inverse_kinematics.SOFT * length), inverse_kinematics.STRAIGHTEST * length)
+    away = targets - hips
+    flat = np.linalg.norm(away[..., [0, 2]], axis=-1)
+    return np.asarray(np.maximum(-away[..., 1] - np.sqrt(np.maximum(most**2 - flat**2, 0.0)), 0.0))
