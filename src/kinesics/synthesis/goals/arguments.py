@@ -1,0 +1,67 @@
+"""What a goal is made from: places, lines and numbers, refused in words where they cannot be meant."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kinesics.errors import InputError
+
+Array = NDArray[np.float64]
+
+FAR: Final = 10_000.0
+"""Metres; no target lies beyond."""
+
+
+def as_complex(position: tuple[float, float]) -> complex:
+    """A place x, z as z + i·x."""
+    return complex(position[1], position[0])
+
+
+def place_of(position: object, name: str) -> tuple[float, float]:
+    """A place, x and z in metres. Raises InputError where ``position`` is none, or lies beyond `FAR`."""
+    try:
+        values = np.asarray(position, dtype=np.float64)
+    except (TypeError, ValueError):
+        values = np.zeros(0)
+    if values.shape != (2,):
+        raise InputError(f"Expected the {name} to be two numbers, x and z in metres, got {position!r}.")
+    if not np.isfinite(values).all() or np.abs(values).max() > FAR:
+        raise InputError(f"Expected the {name} within {FAR:g} m, in finite numbers x and z, got {position!r}.")
+    return float(values[0]), float(values[1])
+
+
+def line_of(points: ArrayLike, name: str, least: int) -> Array:
+    """At least ``least`` places, shape (n, 2), x and z in metres, not to be written to. Raises InputError as `place_of`."""
+    try:
+        line = np.array(points, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"Expected {name} of shape (n, 2), x and z in metres, got {type(points).__name__}.") from error
+    if line.ndim != 2 or line.shape[1] != 2 or len(line) < least:
+        raise InputError(f"Expected {name} of shape (n, 2), x and z in metres, n at least {least}, got {line.shape}.")
+    bad = ~np.isfinite(line).all(axis=1) | (np.abs(line).max(axis=1) > FAR)
+    if bad.any():
+        k = int(np.argmax(bad))
+        raise InputError(f"Expected {name} in finite numbers within {FAR:g} m; number {k} is {line[k].tolist()}.")
+    line.setflags(write=False)
+    return line
+
+
+def check_positive(value: float, name: str) -> None:
+    """Raise InputError unless finite and above 0."""
+    if not (np.isfinite(value) and value > 0.0):
+        raise InputError(f"Expected `{name}` above 0, got {value}.")
+
+
+def check_finite(value: float, name: str) -> None:
+    """Raise InputError unless finite."""
+    if not np.isfinite(value):
+        raise InputError(f"Expected `{name}` to be a finite number, got {value}.")
+
+
+def check_weight(value: float) -> None:
+    """Raise InputError unless finite and 0 or more."""
+    if not (np.isfinite(value) and value >= 0.0):
+        raise InputError(f"Expected `weight` of 0 or more, got {value}.")
