@@ -198,6 +198,17 @@ def test_joints_that_never_move_are_not_frozen() -> None:
     assert inspect(motion.replace(rotations=rotations)).findings == ()
 
 
+def test_joints_without_freedom_are_not_frozen_for_rounding() -> None:
+    """What moves by less than a millionth of a radian in some stretches and not at all in others does not move."""
+    motion = moving()
+    vectors = np.zeros((motion.frame_count, 3))
+    vectors[100:500] = 1e-9 * np.random.default_rng(0).standard_normal((400, 3))
+    rotations = motion.rotations.copy()
+    for joint in (3, 13):
+        rotations[:, joint] = quaternion.from_rotvec(vectors)
+    assert inspect(motion.replace(rotations=rotations)).findings == ()
+
+
 def test_an_animation_whose_joints_rest_between_keys_is_not_frozen() -> None:
     """Where half the joints rest exactly now and then, none of them has failed."""
     motion = moving()

@@ -51,6 +51,9 @@ WHOLE_BODY: Final = 0.5
 """A leap of so large a share of the moving joints at once is a gap in the recording."""
 EVENT_SECONDS: Final = 0.1
 """Leaps of one joint nearer than this in time are one event."""
+STILL: Final = 1e-6
+"""Radians, or metres of the root, from one frame to the next: what is less is rounding. A joint without freedom that went
+through rotations, as in a performed movement or a file of single precision, has it."""
 FROZEN_SECONDS: Final = 0.5
 """A moving joint that stands exactly still for longer is frozen."""
 RESTING_SHARE: Final = 0.01
@@ -150,7 +153,7 @@ class _Steps(NamedTuple):
     """m/s, shape (frames − 1,)."""
     local_root: Array
     still: Mask
-    """Exactly the same value in both frames, shape (frames − 1, joints + 1); the last is the root's place."""
+    """The same value in both frames, but for rounding: shape (frames − 1, joints + 1); the last is the root's place."""
 
 
 def inspect(motion: Motion) -> Quality:
@@ -197,7 +200,7 @@ def _measure(motion: Motion, rotations: Array) -> _Steps:
     turn = 4.0 * np.arcsin(np.minimum(0.5 * chord, 1.0)) * fps
     root_step = np.diff(motion.root_positions, axis=0)
     root = np.linalg.norm(root_step, axis=-1) * fps
-    still = np.concatenate([chord == 0.0, (root == 0.0)[:, None]], axis=1)
+    still = np.concatenate([turn <= STILL * fps, (root <= STILL * fps)[:, None]], axis=1)
     return _Steps(turn, _local(turn, fps), root, _local(root[:, None], fps)[:, 0], still)
 
 
