@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 import kinesics as kx
 from kinesics.body import pose
 from kinesics.body.pose import PoseSequence
 from kinesics.geometry import quaternion
-from kinesics.grammar import motifs
+from kinesics.grammar import linkage, motifs
 from kinesics.grammar.moments import Moments, from_poses
 
 FPS = 30.0
@@ -221,6 +225,41 @@ def test_states_that_return() -> None:
     far = [r for r in found if r.mirrored and any(40 < m < 80 for m in r.moments)]
     assert far
     assert any(len(a) + 40 < m < len(a) + 80 for m in far[0].moments)
+
+
+def _mostly_still(minutes: float, rng: np.random.Generator) -> PoseSequence:
+    """Standing with half a degree of noise in each joint, and one throw a minute."""
+    throw = _poses("throw")
+    q = np.repeat(throw[:1], round(minutes * 60.0 * FPS), axis=0)
+    for first in range(round(10.0 * FPS), len(q) - len(throw), round(60.0 * FPS)):
+        q[first : first + len(throw)] = throw
+    turn = np.deg2rad(0.5) * rng.normal(size=(*q.shape[:2], 3))
+    noise = np.concatenate([np.ones((*q.shape[:2], 1)), 0.5 * turn], axis=-1)
+    return _sequence(quaternion.multiply(q, noise / np.linalg.norm(noise, axis=-1, keepdims=True)))
+
+
+def test_states_of_a_long_rest_take_no_square_of_it(monkeypatch: pytest.MonkeyPatch, rng: np.random.Generator) -> None:
+    """Who stands for minutes is calm at thousands of moments: never are the distances of all of them asked for at once."""
+    moments = from_poses(_mostly_still(6.0, rng))
+    calm = len(motifs._calm(moments))
+    assert calm > 1000
+    at_once = motifs.find_state_repetitions(moments)
+    assert sorted(len(r.moments) for r in at_once if not r.mirrored)[-1] == 7  # before, between and after six throws
+    largest = 0
+    for name in ("thinned", "between", "tile"):
+        asked = getattr(Moments, name)
+
+        def counted(self: Moments, *which: NDArray[np.intp], asked: Callable[..., Any] = asked) -> Any:
+            nonlocal largest
+            d, mirrored = asked(self, *which)
+            largest = max(largest, d.size)
+            return d, mirrored
+
+        monkeypatch.setattr(Moments, name, counted)
+    monkeypatch.setattr(linkage, "MOST", 100)
+    monkeypatch.setattr(linkage, "CELLS", 20_000)
+    assert motifs.find_state_repetitions(moments) == at_once
+    assert largest <= 20_000 < 0.02 * calm**2
 
 
 def test_frames_instead_of_moments() -> None:

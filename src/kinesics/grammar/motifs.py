@@ -26,8 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics import compiled
-from kinesics.grammar import lags
-from kinesics.grammar.linkage import clusters
+from kinesics.grammar import lags, linkage
 from kinesics.grammar.moments import Moments
 from kinesics.grammar.phrases import RATE, STILL, spread, thinned
 from kinesics.progress import Progress, silent
@@ -610,17 +609,14 @@ def find_state_repetitions(moments: Moments) -> tuple[StateRepetition, ...]:
     marks = _calm(moments)
     if len(marks) < 2:
         return ()
-    d, mirrored = (chord(m.astype(np.float64)) for m in moments.thinned(marks))
     near = float(np.sqrt((_SAME_STATE * STILL) ** 2 + 4.0 * moments.noise))
-    groups = _groups(d, near)
-    visits = [_visits(moments, marks[group], near) for group in groups]
+    groups = _groups(moments, marks, near)
+    visits = [_visits(moments, group, near) for group in groups]
     out = [StateRepetition(tuple(group), mirrored=False) for group in visits if len(group) > 1]
-    place = {int(m): k for k, m in enumerate(marks)}
-    for x, a in enumerate(visits):
-        for b in visits[x + 1 :]:
-            between = mirrored[np.ix_([place[m] for m in a], [place[m] for m in b])]
-            if float(between.mean()) <= near:
-                out.append(StateRepetition(tuple(sorted((*a, *b))), mirrored=True))
+    out += [
+        StateRepetition(tuple(sorted((*visits[a], *visits[b]))), mirrored=True)
+        for a, b in _images(moments, visits, near)
+    ]
     return tuple(out)
 
 
@@ -636,11 +632,45 @@ def _calm(moments: Moments) -> NDArray[np.intp]:
     return np.unique(np.concatenate([[0], marks, [n - 1]])).astype(np.intp)
 
 
-def _groups(distance: Array, near: float) -> list[NDArray[np.intp]]:
+def _groups(moments: Moments, marks: NDArray[np.intp], near: float) -> list[NDArray[np.intp]]:
     """Marks merged under average linkage, groups in order of their first member."""
-    even = 0.5 * (distance + distance.T)
-    labels = clusters(even, near, "average")
-    return [np.flatnonzero(labels == label) for label in range(int(labels.max()) + 1)]
+
+    def apart(rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Array:
+        same = len(rows) == len(columns) and bool((rows == columns).all())
+        d = moments.thinned(marks[rows])[0] if same else moments.between(marks[rows], marks[columns])[0]
+        distances = chord(d.astype(np.float64))
+        return 0.5 * (distances + distances.T) if same else distances
+
+    labels = linkage.clusters_of_many(apart, len(marks), near)
+    order = np.argsort(labels, kind="stable")
+    return np.split(marks[order], np.flatnonzero(np.diff(labels[order])) + 1)
+
+
+def _images(moments: Moments, visits: Sequence[Sequence[int]], near: float) -> Iterator[tuple[int, int]]:
+    """Pairs of groups of moments, the earlier first, that are mirror images: √(2D*) of their moments is small on average."""
+    index = np.concatenate([np.asarray(v, dtype=np.intp) for v in visits])
+    sizes = np.array([len(v) for v in visits])
+    firsts = np.cumsum([0, *sizes[:-1]])
+    group_of = np.repeat(np.arange(len(visits)), sizes)
+    step = max(1, linkage.CELLS // len(index))
+    # rows of one group may lie in two blocks
+    open_, total = 0, np.zeros(len(visits))
+    for first in range(0, len(index), step):
+        block = chord(moments.between(index[first : first + step], index)[1].astype(np.float64))
+        for group, row in zip(
+            group_of[first : first + step].tolist(), np.add.reduceat(block, firsts, axis=1), strict=True
+        ):
+            if group != open_:
+                yield from _near_images(open_, total, sizes, near)
+                open_, total = group, np.zeros(len(visits))
+            total += row
+    yield from _near_images(open_, total, sizes, near)
+
+
+def _near_images(group: int, total: Array, sizes: NDArray[np.intp], near: float) -> Iterator[tuple[int, int]]:
+    for other in np.flatnonzero(total <= near * sizes * sizes[group]).tolist():
+        if other > group:
+            yield group, other
 
 
 def _visits(moments: Moments, marks: NDArray[np.intp], near: float) -> list[int]:
