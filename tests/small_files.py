@@ -1,8 +1,9 @@
-"""Small motion files with everything in them that real ones have, made of numbers drawn at random."""
+"""Small motion files with everything in them that real ones have, made of numbers drawn at random, and how they are damaged."""
 
 from __future__ import annotations
 
 import numpy as np
+from hypothesis import strategies as st
 
 BVH_TREE = """HIERARCHY
 ROOT Hips
@@ -163,3 +164,15 @@ def amc(
             for bone, count in AMC_BONES.items()
         ]
     return header + "\n".join(lines) + "\n"
+
+
+@st.composite
+def spoilt(draw: st.DrawFn, raw: bytes) -> bytes:
+    """Bytes of a file cut off, or with three of them changed."""
+    data = bytearray(raw)
+    if draw(st.booleans()):
+        del data[draw(st.integers(0, len(data) - 1)) :]
+    else:
+        for _ in range(3):
+            data[draw(st.integers(0, len(data) - 1))] = draw(st.integers(0, 255))
+    return bytes(data)

@@ -200,9 +200,7 @@ def test_q_and_minus_q_yaw_place_and_bone_lengths_do_not_matter(rng: np.random.G
     motion = moving(rng)
     expected = pose.poses(motion)
     turn = quaternion.from_rotvec([0, 1.1, 0])
-    roots, places = conventions.rotate_world(turn, motion.rotations[:, 0], motion.root_positions)
-    rotations = motion.rotations.copy()
-    rotations[:, 0] = roots
+    rotations, places = conventions.rotate_world(turn, motion.rotations, motion.root_positions)
     rotations *= rng.choice([-1.0, 1.0], rotations.shape[:2])[..., None]
     longer = motion.skeleton.replace(offsets=motion.skeleton.offsets * 1.3)
     other = pose.poses(

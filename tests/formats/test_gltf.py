@@ -13,19 +13,20 @@ import zipfile
 from pathlib import Path
 
 import numpy as np
+import pygltflib
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 import bodies
 import kinesics as kx
+import small_files
 from kinesics.body.skeleton import EndSite, Skeleton
 from kinesics.errors import FileError, InputError
 from kinesics.geometry import quaternion
 from naive import skinning
 
 PROJECT = Path(__file__).resolve().parents[2]
-pygltflib = pytest.importorskip("pygltflib")
 
 
 def walk() -> kx.Motion:
@@ -416,12 +417,6 @@ def test_cut_and_changed_bytes_are_an_error_or_a_motion(data: st.DataObject) -> 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "a.glb"
         kx.write(hand(), path)
-        raw = bytearray(path.read_bytes())
-        if data.draw(st.booleans()):
-            del raw[data.draw(st.integers(0, len(raw) - 1)) :]
-        else:
-            for _ in range(3):
-                raw[data.draw(st.integers(0, len(raw) - 1))] = data.draw(st.integers(0, 255))
-        path.write_bytes(bytes(raw))
+        path.write_bytes(data.draw(small_files.spoilt(path.read_bytes())))
         with contextlib.suppress(FileError):
             assert kx.read(path).frame_count >= 1

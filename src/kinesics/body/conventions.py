@@ -119,9 +119,11 @@ def to_y_up(up_axis: str) -> Array:
     )
 
 
-def rotate_world(rotation: Array, root_rotations: Array, root_positions: Array) -> tuple[Array, Array]:
-    """Turn a motion's root by a rotation of the world. Shapes (4,), (frames, 4), (frames, 3)."""
-    return quaternion.multiply(rotation, root_rotations), quaternion.rotate(rotation, root_positions)
+def rotate_world(rotation: Array, rotations: Array, root_positions: Array) -> tuple[Array, Array]:
+    """Rotations and root positions of a motion whose world is turned. Shapes (4,), (frames, joints, 4), (frames, 3)."""
+    turned = rotations.copy()
+    turned[:, 0] = quaternion.multiply(rotation, rotations[:, 0])
+    return turned, quaternion.rotate(rotation, root_positions)
 
 
 def _detect_up(positions: Array, body: dict[str, int]) -> tuple[str, str]:

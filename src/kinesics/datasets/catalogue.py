@@ -9,6 +9,7 @@ from functools import cache
 from importlib import resources
 
 from kinesics.errors import InputError
+from kinesics.formats.asf_amc import CMU_60_FPS
 
 
 @dataclass(frozen=True)
@@ -98,9 +99,6 @@ COLLECTIONS: dict[str, Collection] = {
     )
 }
 
-_CMU_60_FPS = frozenset({33, 34, 42, 60, 61, 62, 74, 75, 77, 79, 80, 87, 88, 89})
-"""Subjects that were captured at 60 fps; the files do not say, and all others are at 120."""
-
 
 def _cmu_files(*clips: str) -> tuple[RemoteFile, ...]:
     """The skeletons and motions of clips such as "07_01"."""
@@ -112,7 +110,7 @@ def _cmu_files(*clips: str) -> tuple[RemoteFile, ...]:
 
 
 def _cmu_note(*clips: str) -> str:
-    slow = sorted({c.split("_")[0] for c in clips if int(c.split("_")[0]) in _CMU_60_FPS})
+    slow = sorted({c.split("_")[0] for c in clips if int(c.split("_")[0]) in CMU_60_FPS})
     return (
         f"Subject {', '.join(slow)} was captured at 60 fps, which its files do not say: read it with --fps 60."
         if slow

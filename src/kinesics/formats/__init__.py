@@ -265,9 +265,7 @@ def _to_metres_and_y_up(recording: Recording, source: Source, options: ReadOptio
     rotations, roots = recording.rotations, recording.root_positions * scale
     if judged.up_axis != "y":
         turn = conventions.to_y_up(judged.up_axis)
-        first, roots = conventions.rotate_world(turn, rotations[:, 0], roots)
-        rotations = rotations.copy()
-        rotations[:, 0] = first
+        rotations, roots = conventions.rotate_world(turn, rotations, roots)
     if shifts is not None:
         shifts = shifts * scale
         shifts[:, 0] = roots

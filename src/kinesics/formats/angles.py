@@ -13,6 +13,9 @@ from kinesics.geometry import euler, quaternion
 
 Array = NDArray[np.float64]
 
+DEGREE: Final = np.pi / 180.0
+"""Radians."""
+
 _BLOCK: Final = 1024
 """Frames at a time: what is in work then stays in the processor's cache, however long the recording."""
 

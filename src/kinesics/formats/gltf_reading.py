@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from kinesics.body.motion import Motion
 from kinesics.body.skeleton import EndSite, Skeleton
 from kinesics.errors import FileError, InputError
+from kinesics.formats import load
 from kinesics.formats.registry import ReadOptions, Recording
 from kinesics.geometry import quaternion
 
@@ -65,6 +66,7 @@ def read(path: Path, raw: bytes, options: ReadOptions) -> Recording:
         ArithmeticError, AttributeError, LookupError, MemoryError, OSError, RecursionError, TypeError, ValueError,
         struct.error, AssertionError,
     ) as error:  # fmt: skip
+        # the library takes a document as it comes: a field that is missing or of another kind is found where it is used
         said = str(error).split("\n")[0][:120] or type(error).__name__
         raise FileError(path, f"This glTF file is damaged: {said}.") from None
 
@@ -150,8 +152,6 @@ class _Reader:
                     or ".." in PurePosixPath(name).parts
                 ):
                     self.fail(f"Its data lie elsewhere ('{name[:60]}'), and only files beside it are read.")
-                from kinesics.formats import load
-
                 data = load(self.path.parent / name)
             if len(data) < (declared.byteLength or 0):
                 self.fail(
