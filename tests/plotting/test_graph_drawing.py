@@ -16,7 +16,7 @@ from kinesics import plotting
 from kinesics.errors import InputError
 from kinesics.grammar.graph import MotionGraph, Occurrence, Path, Source, State, build
 from kinesics.plotting.canvas import figure_bytes
-from kinesics.plotting.graph_drawing import label_text
+from kinesics.plotting.graph_labels import label_text
 from kinesics.plotting.graph_layout import Place, lay_out, widest_gap
 from motion_graphs import graph_of, random_graph
 

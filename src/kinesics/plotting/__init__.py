@@ -20,7 +20,9 @@ from kinesics.plotting.canvas import new_figure, save_figure
 from kinesics.plotting.composite import composite_plot, subspace_plot, symmetry_coordinates
 from kinesics.plotting.contact_sheet import contact_sheet
 from kinesics.plotting.curves import speed_plot, symmetry_plot
-from kinesics.plotting.graph_drawing import graph_plot, path_strips, state_margin, state_moments
+from kinesics.plotting.graph_drawing import graph_plot
+from kinesics.plotting.graph_margin import state_margin
+from kinesics.plotting.graph_moments import path_strips, state_moments
 from kinesics.plotting.motif_rows import motif_plot
 from kinesics.plotting.palettes import PALETTES, Palette, blend
 from kinesics.plotting.pooling import PooledSimilarity, pool_maximum, pooled_similarity
