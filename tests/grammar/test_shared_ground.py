@@ -16,6 +16,7 @@ from kinesics.geometry import quaternion
 from kinesics.grammar import ground, moments
 
 REAL = ["cmu/07/07_01.amc", "cmu/13/13_29.amc", "cmu/135/135_11.amc", "cmu/bvh/135_01_bassai_30fps.bvh"]
+JUMPS = "cmu/86/86_01.amc"
 
 
 PERFORMED: dict[str, Callable[[], kx.Motion]] = {
@@ -45,7 +46,7 @@ def _check(motion: kx.Motion) -> None:
     assert reflected.isomorphic_to(alone.racemic())
 
 
-@pytest.mark.parametrize("name", REAL)
+@pytest.mark.parametrize("name", [*REAL, JUMPS])
 def test_a_copy_and_the_mirror_image_of_a_real_recording(name: str, shared_data: Path) -> None:
     """Twice the same recording has its graph, each string written twice; with its mirror image it has the racemic graph."""
     _check(kx.read(shared_data / name))

@@ -549,8 +549,12 @@ def _traceless(states: Sequence[ReadState], visits: Sequence[Visit], traversals:
         # an end of a path: which path, which of its ends, and on which side of the mirror, seen from the unmirrored state
         arriving = (before.path, not before.reversed, before.mirrored != visit.mirrored)
         leaving = (after.path, after.reversed, after.mirrored != visit.mirrored)
-        ways[visit.state].add(frozenset((arriving, leaving)))
-        ends[visit.state].update((arriving, leaving))
+        way = frozenset((arriving, leaving))
+        if states[visit.state].symmetric:
+            # its mirror image is the same way: a recording read with its mirror image has no more states for it
+            way = min(way, frozenset((path, far, not side) for path, far, side in way), key=sorted)
+        ways[visit.state].add(way)
+        ends[visit.state].update(way)
     return {
         k
         for k, state in enumerate(states)
