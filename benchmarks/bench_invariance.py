@@ -21,7 +21,7 @@ import numpy as np
 
 import kinesics as kx
 from harness import Table, data_folder, main
-from kinesics.body.roles import partners
+from kinesics.body.mirroring import partners
 from kinesics.geometry import quaternion
 from kinesics.grammar.graph import MotionGraph
 from kinesics.grammar.whole import read_grammar

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from kinesics.body import anatomy, conventions, mirroring, pose, roles
+from kinesics.body import anatomy, conventions, mirroring, pose
 from kinesics.body.motion import Motion
 from kinesics.body.skeleton import EndSite, Skeleton
 from kinesics.errors import InputError, SkeletonError
@@ -229,7 +229,7 @@ def test_the_mirror_law(rig: str, rng: np.random.Generator) -> None:
     if rig == "any axes":
         motion = in_other_rig(motion, axis_rotations()[rng.integers(0, 24, motion.skeleton.joint_count)])
     image = mirroring.mirror(motion)
-    partner = list(roles.partners(motion.skeleton, anatomy.resolve(motion).roles))
+    partner = list(mirroring.partners(motion.skeleton, anatomy.resolve(motion).roles))
     np.testing.assert_allclose(image.positions(), motion.positions()[:, partner] * [-1, 1, 1], atol=1e-9)
     expected = pose.mirror(pose.poses(motion).quaternions)
     assert difference(pose.poses(image).quaternions, expected) < 1e-9

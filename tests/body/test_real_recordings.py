@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 import kinesics as kx
-from kinesics.body import anatomy, pose, roles
+from kinesics.body import anatomy, mirroring, pose
 from kinesics.geometry import quaternion
 
 Array = NDArray[np.float64]
@@ -44,7 +44,7 @@ def bandai_clips(shared: Path, folder: Path, wanted: str, step: int = 1) -> Iter
 def check_mirror_law(motion: kx.Motion) -> None:
     """Both halves of the law, to 1e-6; and the frames found anew from the mirrored body obey it too."""
     image = kx.mirror(motion)
-    partner = list(roles.partners(motion.skeleton, anatomy.resolve(motion).roles))
+    partner = list(mirroring.partners(motion.skeleton, anatomy.resolve(motion).roles))
     assert sorted(partner) == list(range(motion.skeleton.joint_count))
     np.testing.assert_allclose(image.positions(), motion.positions()[:, partner] * [-1, 1, 1], atol=1e-6)
     expected = pose.mirror(kx.poses(motion).quaternions)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from kinesics.body import roles
+from kinesics.body import joint_names, mirroring, roles
 from kinesics.body.skeleton import EndSite, Skeleton
 from kinesics.errors import InputError, SkeletonError
 
@@ -168,17 +168,20 @@ def test_known_namings_are_understood(naming: str) -> None:
     assert {role: named.get(role) for role in expected} == expected
     for side, letter in (("left", "l"), ("right", "r")):
         for part in ("femur", "tibia", "humerus", "radius"):
-            assert roles.split_name(named[f"{side}_{part}"]).side == side, (letter, named)
+            assert joint_names.split_name(named[f"{side}_{part}"]).side == side, (letter, named)
 
 
 @pytest.mark.parametrize("naming", NAMINGS)
 def test_partners_pair_left_with_right(naming: str) -> None:
     """The mirror swaps each sided joint with its namesake and leaves the midline; twice is the identity."""
     skeleton = tree(NAMINGS[naming][0])
-    partner = roles.partners(skeleton, roles.identify(skeleton))
+    partner = mirroring.partners(skeleton, roles.identify(skeleton))
     for j, k in enumerate(partner):
         assert partner[k] == j
-        sides = {roles.split_name(skeleton.joint_names[j]).side, roles.split_name(skeleton.joint_names[k]).side}
+        sides = {
+            joint_names.split_name(skeleton.joint_names[j]).side,
+            joint_names.split_name(skeleton.joint_names[k]).side,
+        }
         assert sides in ({"left", "right"}, {""})
 
 
@@ -238,11 +241,11 @@ def test_an_impossible_tree_is_refused() -> None:
 def test_unpaired_branches_keep_their_place_in_the_mirror() -> None:
     """A prop on the midline stays; a limb with a finger too many has no mirror image."""
     skeleton = tree(NAMINGS["lafan1"][0] + " Hat:Head")
-    partner = roles.partners(skeleton, roles.identify(skeleton))
+    partner = mirroring.partners(skeleton, roles.identify(skeleton))
     assert partner[skeleton.find("Hat")] == skeleton.find("Hat")
     lame = tree(NAMINGS["lafan1"][0] + " Sword:LeftHand")
     with pytest.raises(SkeletonError, match="Sword"):
-        roles.partners(lame, roles.identify(lame))
+        mirroring.partners(lame, roles.identify(lame))
 
 
 def test_end_sites_do_not_disturb() -> None:

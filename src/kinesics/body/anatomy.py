@@ -24,6 +24,7 @@ from kinesics.body import roles as _roles
 from kinesics.body.motion import Motion
 from kinesics.body.roles import Roles
 from kinesics.body.skeleton import Skeleton
+from kinesics.body.tree import ancestors
 from kinesics.errors import InputError, SkeletonError
 from kinesics.geometry import quaternion
 
@@ -429,7 +430,7 @@ def _frames_beyond_links(
         *(getattr(roles, f"{side}_{part}") for side in _SIDES for part in ("femur", "tibia", "humerus", "radius")),
     }  # fmt: skip
     feet = {j: side for side in _SIDES if (j := getattr(roles, f"{side}_foot")) is not None}
-    above = _ancestors(skeleton, roles.pelvis)
+    above = set(ancestors(skeleton, roles.pelvis))
     for j, parent in enumerate(skeleton.parents):
         if j in carriers:
             continue
@@ -477,13 +478,6 @@ def _flat_foot(skeleton: Skeleton, roles: Roles, side: str, positions: Array, wo
         return None  # on its toes, or the bone is that of the ankle alone
     z = _unit(z)
     return quaternion.from_matrix(np.stack([np.cross(y, z), y, z], axis=1))
-
-
-def _ancestors(skeleton: Skeleton, joint: int) -> set[int]:
-    out = set()
-    while (joint := skeleton.parents[joint]) >= 0:
-        out.add(joint)
-    return out
 
 
 def _tip(skeleton: Skeleton, joint: int, end: int | None) -> Array:

@@ -7,7 +7,8 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kinesics.body import roles as _roles
+from kinesics.body.joint_names import by_name
+from kinesics.body.shape import by_shape
 from kinesics.body.skeleton import Skeleton
 from kinesics.errors import InputError
 from kinesics.geometry import quaternion
@@ -63,10 +64,10 @@ def detect(
         If ``unit`` or ``up`` is none that exists.
     """
     said: list[str] = []
-    body: dict[str, int] = _roles.by_name(skeleton)
+    body: dict[str, int] = by_name(skeleton)
     if "head" not in body:
         # where names tell nothing the shape may
-        body = {**(_roles.by_shape(skeleton, positions) or {}), **body}
+        body = {**(by_shape(skeleton, positions) or {}), **body}
     if up is None:
         up_axis, why = _detect_up(positions, body)
         said.append(f"up axis {up_axis}: {why}")

@@ -5,8 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from kinesics.body import anatomy as _anatomy
-from kinesics.body import roles as _roles
+from kinesics.body.joint_names import numbered, split_name
 from kinesics.body.motion import Motion
+from kinesics.body.roles import LIMB_ROLES, Roles
+from kinesics.body.skeleton import Skeleton
+from kinesics.body.tree import ancestors
 from kinesics.errors import SkeletonError
 from kinesics.geometry import quaternion
 
@@ -28,7 +31,7 @@ def mirror(motion: Motion) -> Motion:
         roles = motion.skeleton.anatomy.roles if motion.skeleton.anatomy else None
     except SkeletonError:
         roles = None  # no human body, but it may have a mirror image all the same
-    partner = _roles.partners(motion.skeleton, roles)
+    partner = partners(motion.skeleton, roles)
     order = list(partner)
     flip = np.array([-1.0, 1.0, 1.0])
     shifts = motion.joint_translations
@@ -38,3 +41,56 @@ def mirror(motion: Motion) -> Motion:
         root_positions=motion.root_positions * flip,
         joint_translations=None if shifts is None else shifts[:, order] * flip,
     )
+
+
+def partners(skeleton: Skeleton, roles: Roles | None = None) -> tuple[int, ...]:
+    """For each joint the one it changes places with in the mirror; itself on the midline.
+
+    Names decide where they tell a side; below the limbs whose roles are known, the tree does. The result keeps the tree:
+    the partner of a joint's parent is its partner's parent. A joint without a counterpart stays itself.
+    """
+    split = [split_name(n) for n in skeleton.joint_names]
+    out = [-1] * skeleton.joint_count
+    out[0] = 0
+    forced: dict[int, int] = {}
+    if roles is not None:
+        for part in LIMB_ROLES:
+            a, b = getattr(roles, f"left_{part}"), getattr(roles, f"right_{part}")
+            if a is not None and b is not None:
+                forced[a], forced[b] = b, a
+                # the way up from a limb to the midline changes sides with it
+                chain_a, chain_b = ancestors(skeleton, a), ancestors(skeleton, b)
+                for x, y in zip(chain_a, chain_b, strict=False):
+                    if x == y:
+                        break
+                    forced.setdefault(x, y)
+                    forced.setdefault(y, x)
+    tagged = {(s.side, numbered(skeleton.joint_names[j], s)): j for j, s in enumerate(split) if s.side}
+    for j in range(1, skeleton.joint_count):
+        parent_partner = out[skeleton.parents[j]]
+        candidates = skeleton.children[parent_partner] if parent_partner >= 0 else ()
+        other = {"left": "right", "right": "left"}.get(split[j].side, "")
+        by_tag = tagged.get((other, numbered(skeleton.joint_names[j], split[j]))) if other else None
+        if j in forced and forced[j] in candidates:
+            out[j] = forced[j]
+        elif by_tag is not None and by_tag in candidates:
+            out[j] = by_tag
+        elif parent_partner != skeleton.parents[j]:
+            # inside a limb: the child that stands in the same place
+            siblings = skeleton.children[skeleton.parents[j]]
+            if len(siblings) == len(candidates):
+                out[j] = candidates[siblings.index(j)]
+        elif not split[j].side and j not in forced:
+            out[j] = j
+    # whatever has no counterpart keeps its place only if its parent does; else the whole branch is left unpaired
+    for j in range(1, skeleton.joint_count):
+        k = out[j]
+        if k < 0 or out[k] != j:
+            out[j] = j if out[skeleton.parents[j]] == skeleton.parents[j] else -1
+    if any(k < 0 for k in out):
+        raise SkeletonError(
+            "Left and right of the skeleton do not match, so it has no mirror image: "
+            + ", ".join(skeleton.joint_names[j] for j, k in enumerate(out) if k < 0)
+            + " have no counterpart."
+        )
+    return tuple(out)
