@@ -75,6 +75,32 @@ def test_bends_like_the_twin() -> None:
             assert np.allclose(after[t, LEGS.feet[k]], ankle, atol=1e-6)
 
 
+@given(st.integers(0, 10_000))
+def test_one_leg_turns_as_many_do(seed: int) -> None:
+    """One leg at one moment, live, turns as among all frames: within reach, beyond it, straight, and bent backwards."""
+    rng = np.random.default_rng(seed)
+    n = 20
+    hinge, v = rng.normal(size=(2, n, 3))
+    hinge /= np.linalg.norm(hinge, axis=-1, keepdims=True)
+    hip = rng.normal(size=(n, 3))
+    knee = hip + rng.uniform(0.3, 0.5, (n, 1)) * v / np.linalg.norm(v, axis=-1, keepdims=True)
+    bent = quaternion.from_axis_angle(hinge, rng.choice([0.0, 0.001, -0.1, -0.5, 0.3, 1.5], n))
+    ankle = knee + rng.uniform(0.8, 1.2, (n, 1)) * quaternion.rotate(bent, knee - hip)
+    target = ankle + rng.choice([0.0, 0.01, 0.2, 2.0], (n, 1)) * rng.normal(size=(n, 3))
+    bends, swings, _ = ik._bend_and_swing(hip, knee, ankle, target, hinge)
+    for k in range(n):
+        one = ik.turns(*(tuple(v[k].tolist()) for v in (hip, knee, ankle, target, hinge)))
+        assert quaternion.angle(bends[k], one[0]) < 1e-6
+        assert quaternion.angle(swings[k], one[1]) < 1e-6
+
+
+def test_a_bone_along_its_hinge_is_only_swung() -> None:
+    """Where the shin lies along the knee's axis no turn about it changes the distance: the leg swings, no number is spoilt."""
+    bend, swing = ik.turns((0.0, 1.0, 0.0), (0.0, 0.5, 0.0), (0.5, 0.5, 0.0), (0.0, 0.6, 0.3), (1.0, 0.0, 0.0))
+    assert bend == (1.0, 0.0, 0.0, 0.0)
+    assert np.isfinite(swing).all()
+
+
 def test_the_knee_turns_about_its_hinge_alone() -> None:
     """Whatever is asked, the knee's rotation changes by a turn about its own hinge."""
     known = _at(WALK)

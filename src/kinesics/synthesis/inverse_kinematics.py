@@ -9,10 +9,13 @@ Near full extension a small change of distance would need a large one of the kne
 distance is given less and less of what is asked, so that the knee never snaps (their §4.4, with a limit that is never
 reached in place of one that is cut); a leg that already is straighter than that counts from where it is, so that nothing
 changes where nothing is asked.
+
+`reach` does it for all frames of a performance together, `turns` for one leg at one moment, live: the same in plain numbers.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
@@ -23,7 +26,8 @@ from kinesics.body import kinematics
 from kinesics.body.kinematics import Kinematics
 from kinesics.body.skeleton import Skeleton
 from kinesics.errors import InputError, SkeletonError
-from kinesics.geometry import quaternion
+from kinesics.geometry import quaternion, single
+from kinesics.geometry.single import Quaternion, Vector
 
 Array = NDArray[np.float64]
 
@@ -39,6 +43,7 @@ _NEXT: Final = [1, 2, 0]
 _LAST: Final = [2, 0, 1]
 _BACKWARD_KNEE: Final = -0.15
 """Radians: knees that bend the wrong way by more are taken to be meant."""
+_NO_TURN: Final[Quaternion] = (1.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,6 +191,45 @@ def _bend_and_swing(hip: Array, knee: Array, ankle: Array, target: Array, hinge:
     reached = upper + quaternion.rotate(bend, lower)
     swing = _between(reached, target - hip)
     return bend, swing, np.abs(_length(reached) - asked)
+
+
+def turns(hip: Vector, knee: Vector, ankle: Vector, target: Vector, hinge: Vector) -> tuple[Quaternion, Quaternion]:
+    """Turns in the world of what hangs on the knee, then of the whole leg, that put one ankle at its target.
+
+    Parameters
+    ----------
+    hip, knee, ankle, target : in the world, metres.
+    hinge : the knee's axis in the world, of length 1.
+    """
+    upper, lower, aim = single.subtract(knee, hip), single.subtract(ankle, knee), single.subtract(target, hip)
+    l1, l2 = single.length(upper), single.length(lower)
+    now, asked = single.length(single.subtract(ankle, hip)), single.length(aim)
+    if asked == now:
+        return _NO_TURN, single.least_turn(single.add(upper, lower), aim)
+    far = max(_softened_once(asked, now, l1 + l2), abs(l1 - l2) + 1e-4 * (l1 + l2))
+    # see `_bend_and_swing`
+    scale = 1.0 / (l1 * l2)
+    c = single.dot(hinge, upper) * single.dot(hinge, lower) * scale
+    a, b = single.dot(upper, lower) * scale - c, single.dot(upper, single.cross(hinge, lower)) * scale
+    size, bent = math.hypot(a, b), -math.atan2(b, a)
+    wanted = 0.5 * (far * far - l1 * l1 - l2 * l2) * scale - c
+    # where a bone lies along the hinge, turning about it changes nothing
+    angle = math.acos(min(max(wanted / size, -1.0), 1.0)) - abs(bent) if size > 1e-12 else 0.0
+    if bent < _BACKWARD_KNEE:
+        angle = -angle
+    sine = math.sin(0.5 * angle)
+    bend = (math.cos(0.5 * angle), sine * hinge[0], sine * hinge[1], sine * hinge[2])
+    return bend, single.least_turn(single.add(upper, single.rotate(bend, lower)), aim)
+
+
+def _softened_once(asked: float, now: float, length: float) -> float:
+    """`softened` of one leg."""
+    most = STRAIGHTEST * length
+    start = min(max(now, SOFT * length), most - 1e-9 * length)
+    if asked <= start:
+        return asked
+    room = most - start
+    return start - room * math.expm1(-(asked - start) / room)
 
 
 def softened(asked: Array, now: Array, length: Array) -> Array:

@@ -1,0 +1,272 @@
+"""Feet kept in place live, knowing only the past and what the recordings themselves would do next ([Schultz2012] §4.4).
+
+A foot stays where it came down, and comes back to its place in the recording while it swings; the body goes after its feet.
+`kinesics.synthesis.planting` does it for a whole performance at once. Here it is done in plain numbers, and for the joints
+between root and soles alone: see `kinesics.geometry.single`.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Sequence
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinesics.geometry import single
+from kinesics.geometry.single import Quaternion, Vector
+from kinesics.synthesis import inverse_kinematics
+from kinesics.synthesis.repertoire import Repertoire
+from kinesics.synthesis.stage import BEARING, LIFT, RELEASE, SINK, SOFTLY, SUNK, Stage, held_around
+
+Array = NDArray[np.float64]
+
+_SLIPPED: Final = 0.3
+"""Share of what a leg falls short of that its foot slides for good."""
+_FOLLOWED: Final = 0.3
+"""Share of it by which the body goes along in one frame."""
+_GRASP: Final = 0.03
+"""Seconds in which a foot that is on the ground after a cut is grasped."""
+LIVE_LEAN: Final = 0.4
+"""Seconds in which, live, the body follows its feet by two thirds: quicker it would lurch, for it cannot begin before."""
+RETURN: Final = 0.12
+"""Seconds in which, live, a swinging foot comes back to its place in the recording by two thirds."""
+_FLIGHT: Final = 0.05
+"""What weighs for no shift at all, so that a body in flight comes back."""
+_ROUNDING: Final = 1e-9
+"""Radians."""
+
+
+class Treading:
+    """Keeps the feet of one performance in place, frame by frame."""
+
+    def __init__(self, stage: Stage) -> None:
+        repertoire, legs = stage.repertoire, stage.legs
+        skeleton, soles = repertoire.skeleton, stage.soles
+        fps = repertoire.fps
+        self._held, self._near = _holds(repertoire, RELEASE * fps), _holds(repertoire, LIFT * fps)
+        joints = _hanging(skeleton.parents, [*legs.femurs, *legs.tibias, *legs.feet, *soles.joints.ravel().tolist()])
+        place = {joint: k for k, joint in enumerate(joints)}
+        self._joints = np.array(joints)
+        self._links = [(place[skeleton.parents[j]], _vector(skeleton.offsets[j])) for j in joints[1:]]
+        self._feet = [
+            _Foot(
+                tuple(_Limb.of(stage, group[k], place) for group in (legs.femurs, legs.tibias, legs.feet)),
+                _vector(legs.hinges[k]),
+                [(place[int(j)], _vector(v)) for j, v in zip(soles.joints[k], soles.offsets[k], strict=True)],
+                stage.levels[k].tolist(),
+                1.0 / fps,
+            )
+            for k in (0, 1)
+        ]
+        self._lean_x = self._lean_z = self._drop = 0.0
+        self._leans = _eased(1.0 / fps, LIVE_LEAN)
+        self._sinks, self._sinks_quickly = _eased(1.0 / fps, SINK), _eased(1.0 / fps, 0.25 * SINK)
+
+    def step(self, rotations: Array, root: Vector, image: int, frame: int) -> Vector:
+        """Plant the feet of one frame: the legs' rotations, of (joints, 4), in place; and where the root comes to be."""
+        feet = self._feet
+        local = list(map(tuple, rotations[self._joints].tolist()))
+        places, world = self._forward(local, root)
+        for foot, held, near in zip(
+            feet, self._held[image, frame].tolist(), self._near[image, frame].tolist(), strict=True
+        ):
+            foot.follow(places, world, held, near)
+        grip = sum(foot.hold for foot in feet) + _FLIGHT
+        self._lean_x += self._leans * (sum(foot.hold * foot.shift_x for foot in feet) / grip - self._lean_x)
+        self._lean_z += self._leans * (sum(foot.hold * foot.shift_z for foot in feet) / grip - self._lean_z)
+        need = max(foot.shortfall(places, self._lean_x, self._lean_z) * foot.hold for foot in feet)
+        self._drop += (self._sinks_quickly if need > self._drop else self._sinks) * (need - self._drop)
+        shift = (self._lean_x, -self._drop, self._lean_z)
+        root = single.add(root, shift)
+        beyond = False
+        for foot in feet:
+            beyond |= foot.reach(places, world, local, shift)
+        if beyond:
+            root = self._slip(local, root, grip)
+        for foot in feet:
+            for limb in foot.limbs:
+                rotations[limb.joint] = local[limb.at]
+        return root
+
+    def _slip(self, local: list[Quaternion], root: Vector, grip: float) -> Vector:
+        """A foot whose leg was held back slides, and the body goes after it from the next frame on."""
+        places, world = self._forward(local, root)
+        lowest = math.inf
+        for foot in self._feet:
+            x, _, z = single.subtract(foot.target, places[foot.ankle.at])
+            foot.shift_x -= _SLIPPED * x
+            foot.shift_z -= _SLIPPED * z
+            self._lean_x += _FOLLOWED * foot.hold * x / grip
+            self._lean_z += _FOLLOWED * foot.hold * z / grip
+            lowest = min(lowest, *(point[1] for point in foot.placed(places, world)))
+        return root[0], root[1] + max(-lowest - SUNK, 0.0), root[2]
+
+    def _forward(self, local: list[Quaternion], root: Vector) -> tuple[list[Vector], list[Quaternion]]:
+        """Places and orientations in the world of the joints between root and soles."""
+        places, world = [root], [local[0]]
+        for (parent, offset), own in zip(self._links, local[1:], strict=True):
+            above = world[parent]
+            places.append(single.add(places[parent], single.rotate(above, offset)))
+            world.append(single.multiply(above, own))
+        return places, world
+
+
+class _Limb(NamedTuple):
+    """A joint of a leg."""
+
+    joint: int
+    """Of the skeleton."""
+    at: int
+    """Among the joints between root and soles."""
+    above: int
+    """The same of its parent."""
+    middle: Quaternion
+    low: Vector
+    high: Vector
+
+    @classmethod
+    def of(cls, stage: Stage, joint: int, place: dict[int, int]) -> _Limb:
+        parent = stage.repertoire.skeleton.parents[joint]
+        middle: Quaternion = tuple(stage.middle[joint].tolist())
+        return cls(joint, place[joint], place[parent], middle, _vector(stage.low[joint]), _vector(stage.high[joint]))
+
+    def inside(self, q: Quaternion) -> tuple[Quaternion, bool]:
+        """A rotation within the joint's range, and whether it was beyond."""
+        x, y, z = single.as_rotvec(single.undo(self.middle, q))
+        (ax, ay, az), (bx, by, bz) = self.low, self.high
+        held = (min(max(x, ax), bx), min(max(y, ay), by), min(max(z, az), bz))
+        # hinges stand at both ends of a range without width: rounding is not to decide whether they are held back
+        if abs(held[0] - x) + abs(held[1] - y) + abs(held[2] - z) < _ROUNDING:
+            return q, False
+        return single.multiply(self.middle, single.from_rotvec(held)), True
+
+
+class _Foot:
+    """One foot that is kept in place, and the leg that bears it."""
+
+    def __init__(
+        self,
+        limbs: tuple[_Limb, ...],
+        hinge: Vector,
+        points: list[tuple[int, Vector]],
+        levels: list[float],
+        dt: float,
+    ) -> None:
+        self.limbs = limbs
+        self.hip, self.knee, self.ankle = limbs
+        self._hinge, self._points, self._levels = hinge, points, levels
+        self._releases, self._grasps = dt / RELEASE, dt / _GRASP
+        self._returns, self._softly = _eased(dt, RETURN), _eased(dt, SOFTLY)
+        self._sole: list[Vector] = []
+        self._height: list[float] = []
+        self._lift = 0.0
+        self.hold = 0.0
+        """How firmly it is held, 0 to 1."""
+        self.shift_x = 0.0
+        """By how much it stands beside its place in the recording, metres."""
+        self.shift_z = 0.0
+        self.target: Vector = (0.0, 0.0, 0.0)
+        """Where its ankle goes, metres."""
+
+    def placed(self, places: list[Vector], world: list[Quaternion]) -> list[Vector]:
+        """Where heel, ball and tip are."""
+        return [single.add(places[j], single.rotate(world[j], offset)) for j, offset in self._points]
+
+    def follow(self, places: list[Vector], world: list[Quaternion], held: float, near: float) -> None:
+        """Where the ankle goes, if the recording holds the foot so firmly and has it so near to the floor."""
+        sole = self.placed(places, world)
+        height = [point[1] - level for point, level in zip(sole, self._levels, strict=True)]
+        lowest = min(point[1] for point in sole)
+        # at a cut a foot may be grasped or let go from one frame to the next: not so quickly
+        self.hold += min(max(held - self.hold, -self._releases), self._grasps)
+        if not self._sole:
+            self.hold, self._lift = held, -near * lowest
+        else:
+            means = [0.5 * (now + before) for now, before in zip(height, self._height, strict=True)]
+            x, z = _slid(self._sole, sole, means)
+            free = (1.0 - self.hold) * self._returns
+            self.shift_x -= self.hold * x + free * self.shift_x
+            self.shift_z -= self.hold * z + free * self.shift_z
+        self._sole, self._height = sole, height
+        self._lift += self._softly * (-near * lowest - self._lift)
+        lift = max(self._lift, -lowest - SUNK)
+        self.target = single.add(places[self.ankle.at], (self.shift_x, lift, self.shift_z))
+
+    def shortfall(self, places: list[Vector], lean_x: float, lean_z: float) -> float:
+        """`kinesics.synthesis.stage.shortfall` of a body that leans, metres."""
+        hip, knee, ankle = (places[limb.at] for limb in self.limbs)
+        length = single.length(single.subtract(knee, hip)) + single.length(single.subtract(ankle, knee))
+        now = single.length(single.subtract(ankle, hip))
+        most = min(max(now, inverse_kinematics.SOFT * length), inverse_kinematics.STRAIGHTEST * length)
+        x, y, z = single.subtract(self.target, single.add(hip, (lean_x, 0.0, lean_z)))
+        return max(-y - math.sqrt(max(most * most - x * x - z * z, 0.0)), 0.0)
+
+    def reach(self, places: list[Vector], world: list[Quaternion], local: list[Quaternion], shift: Vector) -> bool:
+        """Put the ankle at its target, the body shifted: changes the rotations; whether the leg's range held it back."""
+        hip, knee, ankle = self.limbs
+        bend, swing = inverse_kinematics.turns(
+            single.add(places[hip.at], shift),
+            single.add(places[knee.at], shift),
+            single.add(places[ankle.at], shift),
+            self.target,
+            single.rotate(world[knee.at], self._hinge),
+        )
+        lower = single.multiply(swing, bend)
+        # each is the old world orientation, turned, seen from its parent, turned or not; the foot's is as it was
+        turned = (
+            single.undo(world[hip.above], single.multiply(swing, world[hip.at])),
+            single.undo(world[knee.above], single.multiply(bend, world[knee.at])),
+            single.undo(single.multiply(lower, world[ankle.above]), world[ankle.at]),
+        )
+        beyond = False
+        for limb, q in zip(self.limbs, turned, strict=True):
+            local[limb.at], outside = limb.inside(q)
+            beyond |= outside
+        return beyond
+
+
+def _slid(before: list[Vector], after: list[Vector], height: list[float]) -> tuple[float, float]:
+    """How far the bearing part of a sole moved over the floor, x and z, metres: see `kinesics.synthesis.stage.bearing`."""
+    least = min(height)
+    weights = [math.exp((least - h) / BEARING) for h in height]
+    x = z = 0.0
+    for weight, old, new in zip(weights, before, after, strict=True):
+        x += weight * (new[0] - old[0])
+        z += weight * (new[2] - old[2])
+    whole = sum(weights)
+    return x / whole, z / whole
+
+
+def _hanging(parents: Sequence[int], joints: Iterable[int]) -> list[int]:
+    """These joints and all that they hang on, parents first."""
+    found: set[int] = set()
+    for joint in joints:
+        while joint >= 0 and joint not in found:
+            found.add(joint)
+            joint = parents[joint]
+    return sorted(found)
+
+
+def _vector(values: Array) -> Vector:
+    x, y, z = values.tolist()
+    return x, y, z
+
+
+def _eased(dt: float, seconds: float) -> float:
+    """Share of the way that is gone in ``dt`` by what goes two thirds in ``seconds``."""
+    return -math.expm1(-dt / seconds)
+
+
+def _holds(repertoire: Repertoire, reach: float) -> Array:
+    """`held_around` of every frame, of both feet, as recorded and mirrored: shape (2, frames, 2)."""
+    out = np.zeros((2, repertoire.frame_count, 2))
+    for a, b in itertools.pairwise(repertoire.starts.tolist()):
+        for k in (0, 1):
+            standing = repertoire.contacts[0, a:b, k]
+            if standing.any():
+                out[0, a:b, k] = held_around(standing, reach)
+    out[1] = out[0, :, ::-1]
+    return out
