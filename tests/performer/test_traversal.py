@@ -10,8 +10,8 @@ import pytest
 import kinesics as kx
 from kinesics.errors import InputError
 from kinesics.performer import STANDING, KeyGraph, KeyPath, KeyState, Step, posture, traverse
+from kinesics.performer.key_graph import mirrored_path
 from kinesics.performer.postures import mirror
-from kinesics.performer.traversal import mirrored_path
 from kinesics.performer.words import Token, class_of
 from kinesics.vocabulary import MovementClass
 from naive import symmetry as naive

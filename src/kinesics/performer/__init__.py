@@ -36,12 +36,13 @@ from kinesics.performer.exercises import (
     wave_both,
 )
 from kinesics.performer.gaits import jog_in_place, limp, run, walk
+from kinesics.performer.key_graph import KeyGraph, KeyPath, KeyState
 from kinesics.performer.postures import STANDING, T_POSE, posture
 from kinesics.performer.random_graphs import covering_steps, random_graph
 from kinesics.performer.sequences import kata, side_kicks, sun_salutation
 from kinesics.performer.singles import bow, raise_arms, reach, sway, throw
 from kinesics.performer.stage import Conditions
-from kinesics.performer.traversal import KeyGraph, KeyPath, KeyState, Step, traverse
+from kinesics.performer.traversal import Step, traverse
 from kinesics.performer.truth import (
     Performance,
     Range,

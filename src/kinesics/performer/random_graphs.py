@@ -12,9 +12,10 @@ from kinesics.body.pose import gravity
 from kinesics.body.pose import mirror as mirror_pose
 from kinesics.errors import InputError
 from kinesics.performer import postures as _postures
+from kinesics.performer.key_graph import STOP_TO_STOP, KeyGraph, KeyPath, KeyState, mirrored_path
 from kinesics.performer.postures import ANGLE, ANGLES, STANDING, pose
 from kinesics.performer.score import CHOICE_STREAM, GRAPH_STREAM, check_number, generator
-from kinesics.performer.traversal import STOP_TO_STOP, KeyGraph, KeyPath, KeyState, Step, mirrored_path, seconds_of
+from kinesics.performer.traversal import Step, seconds_of
 
 Array = NDArray[np.float64]
 

@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.performer import postures as _postures
+from kinesics.performer.key_graph import KeyGraph, KeyPath, KeyState, mirrored_path
 from kinesics.performer.postures import STANDING, posture
 from kinesics.performer.score import check_number
 from kinesics.performer.stage import Conditions, perform_score
-from kinesics.performer.traversal import KeyGraph, KeyPath, KeyState, Part, Step, mirrored_path, traversal_score
+from kinesics.performer.traversal import Part, Step, traversal_score
 from kinesics.performer.truth import Performance
 
 Array = NDArray[np.float64]
