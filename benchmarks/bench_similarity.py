@@ -104,7 +104,7 @@ def embedded(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return tuple(
         quaternion.canonical(x).reshape(len(x), 60).astype(np.float32) / np.float32(math.sqrt(15))
         for x in (q, pose.mirror(q))
-    )  # type: ignore[return-value]
+    )
 
 
 def cdist(a: np.ndarray, b: np.ndarray) -> Callable[[], None]:

@@ -83,7 +83,7 @@ def floor_network(
     cost = np.array([0.0 if i == j else 0.5 for i, j in zip(owners, indices, strict=True)])
     length = np.array([p.frames for p in paths])
     return Network(
-        repertoire=floor,  # type: ignore[arg-type]
+        repertoire=floor,
         first=first,
         length=length,
         indptr=np.concatenate([[0], np.cumsum([len(r) for r in rows])]),

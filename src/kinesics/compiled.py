@@ -11,7 +11,7 @@ import os
 try:
     from kinesics import _native as native
 except ImportError:  # built without a compiler
-    native = None  # type: ignore[assignment]
+    native = None  # type: ignore[assignment]  # a module's name cannot be declared as one that may be None
 
 __all__ = ["declined", "native", "wanted"]
 

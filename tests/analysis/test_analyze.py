@@ -219,7 +219,7 @@ def test_bad_arguments_are_refused() -> None:
     with pytest.raises(InputError, match="none"):
         kx.analyze([])
     with pytest.raises(InputError, match=r"kinesics\.read"):
-        kx.analyze(["walk.bvh"])  # type: ignore[list-item]
+        kx.analyze(["walk.bvh"])
     for beta in (0.0, -1.0, float("nan"), float("inf")):
         with pytest.raises(InputError, match="β"):
             kx.analyze(motion, beta=beta)

@@ -276,7 +276,7 @@ def test_radii_are_scaled_to_the_body(scale: float) -> None:
     """A child or a giant in the same pose collides alike: depths grow with the body."""
     bigger = SKELETON.replace(
         offsets=SKELETON.offsets * scale,
-        end_sites=tuple(EndSite(s.parent, tuple(scale * v for v in s.offset)) for s in SKELETON.end_sites),  # type: ignore[arg-type]
+        end_sites=tuple(EndSite(s.parent, tuple(scale * v for v in s.offset)) for s in SKELETON.end_sites),
     )
     usual = limits.self_collisions(posed(**THROUGH), tolerance=0.05).collisions[0]
     scaled = limits.self_collisions(posed(bigger, **THROUGH), tolerance=0.05 * scale).collisions[0]

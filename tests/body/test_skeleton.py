@@ -66,7 +66,7 @@ def test_a_skeleton_does_not_change() -> None:
     with pytest.raises(ValueError, match="read-only"):
         skeleton.offsets[0, 0] = 1.0
     with pytest.raises(dataclasses.FrozenInstanceError):
-        skeleton.name = "other"  # type: ignore[misc]
+        skeleton.name = "other"
 
 
 def test_tree_and_rest_positions() -> None:

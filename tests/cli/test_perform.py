@@ -245,7 +245,7 @@ def test_ctrl_c_while_files_are_put_down_waits_until_all_are(
     write = formats.write
 
     def interrupted(*what: object, **how: object) -> tuple[str, ...]:
-        out = write(*what, **how)  # type: ignore[arg-type]
+        out = write(*what, **how)
         signal.raise_signal(signal.SIGINT)
         return out
 

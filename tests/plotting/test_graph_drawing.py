@@ -194,7 +194,7 @@ def test_a_graph_without_states_is_said_to_be_empty() -> None:
 
 def test_the_same_graph_is_the_same_picture() -> None:
     """The same bytes on every run."""
-    pictures = [figure_bytes(plotting.graph_plot(random_graph(9, 1)).figure, ".svg") for _ in range(2)]  # type: ignore[arg-type]
+    pictures = [figure_bytes(plotting.graph_plot(random_graph(9, 1)).figure, ".svg") for _ in range(2)]
     assert pictures[0] == pictures[1]
 
 
@@ -261,8 +261,8 @@ def test_a_strip_lightens_as_the_path_evolves() -> None:
     performance = performer.raise_arms()
     graph = graph_of(performance.truth)
     ax = plotting.path_strips(graph, [performance.motion], moments=6)
-    order = sorted(ax.collections, key=lambda c: float(np.mean([s[:, 0].mean() for s in c.get_segments()])))  # type: ignore[attr-defined]
-    greys = [float(c.get_color()[0][0]) for c in order]  # type: ignore[attr-defined]
+    order = sorted(ax.collections, key=lambda c: float(np.mean([s[:, 0].mean() for s in c.get_segments()])))
+    greys = [float(c.get_color()[0][0]) for c in order]
     assert greys == sorted(greys)
     assert greys[0] < 0.15
     assert greys[-1] > 0.6
@@ -279,7 +279,7 @@ def test_a_strip_lightens_as_the_path_evolves() -> None:
         (lambda g, m: plotting.state_margin(plotting.new_figure(2, 2).add_subplot(), g, source=3), "No source 3"),
     ],
 )  # fmt: skip
-def test_what_does_not_fit_is_refused(call, message: str) -> None:  # type: ignore[no-untyped-def]
+def test_what_does_not_fit_is_refused(call, message: str) -> None:
     """The message says what was expected."""
     performance = performer.limp(seconds=6)
     with pytest.raises(InputError, match=message):

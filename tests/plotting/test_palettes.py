@@ -46,7 +46,7 @@ def _least_difference(palette_name: str, blindness: str) -> float:
 @pytest.mark.parametrize("palette", COLOURED, ids=lambda p: p.name)
 def test_the_two_lights_add_up_to_white(palette: object) -> None:
     """Where Z = Z* = 1 the picture is white, exactly."""
-    assert (blend(np.ones((2, 2)), np.ones((2, 2)), palette) == 255).all()  # type: ignore[arg-type]
+    assert (blend(np.ones((2, 2)), np.ones((2, 2)), palette) == 255).all()
 
 
 @pytest.mark.parametrize("blindness", BLINDNESS)

@@ -81,7 +81,7 @@ def test_figures_stand_at_regular_times_where_there_is_room(walk: kx.Motion) -> 
 def test_a_trail_of_nonsense_is_refused(walk: kx.Motion, how: dict[str, object]) -> None:
     """The argument is named."""
     with pytest.raises(kx.InputError, match=next(iter(how))):
-        plotting.trail_plot(walk, **how)  # type: ignore[arg-type]
+        plotting.trail_plot(walk, **how)
 
 
 def test_a_single_frame_and_a_far_walk_have_a_picture() -> None:
@@ -129,4 +129,4 @@ def test_a_long_movement_has_at_most_four_rows() -> None:
 def test_a_sheet_of_nonsense_is_refused(walk: kx.Motion, how: dict[str, object], says: str) -> None:
     """The argument is named."""
     with pytest.raises(kx.InputError, match=says):
-        plotting.contact_sheet(walk, **how)  # type: ignore[arg-type]
+        plotting.contact_sheet(walk, **how)

@@ -53,7 +53,7 @@ def test_the_square_shows_time_running_right_and_up() -> None:
 @pytest.mark.parametrize(("kind", "colour"), [("z", (255, 0, 0)), ("z_mirror", (0, 0, 0)), ("both", (255, 0, 0))])
 def test_one_matrix_can_be_shown_alone(kind: str, colour: tuple[int, int, int]) -> None:
     """Only the layer asked for is lit."""
-    assert tuple(_image(plotting.similarity_plot(_checkered(), kind=kind))[0, 0]) == colour  # type: ignore[arg-type]
+    assert tuple(_image(plotting.similarity_plot(_checkered(), kind=kind))[0, 0]) == colour
 
 
 def test_the_triangle_lays_the_identity_axis_along_time() -> None:
@@ -105,7 +105,7 @@ def test_very_short_recordings_can_be_drawn(frames: int) -> None:
     ]
     for ax in drawn:
         assert isinstance(ax, Axes)
-        assert figure_bytes(ax.figure, ".png").startswith(b"\x89PNG")  # type: ignore[arg-type]
+        assert figure_bytes(ax.figure, ".png").startswith(b"\x89PNG")
 
 
 def test_given_axes_are_used_and_pyplot_hears_nothing() -> None:
@@ -185,7 +185,7 @@ def test_files_are_the_same_bytes_on_every_run(suffix: str) -> None:
 
     def make() -> bytes:
         ax = plotting.similarity_triangle(kx.similarity(kx.poses(motion)), motion)
-        return figure_bytes(ax.figure, suffix)  # type: ignore[arg-type]
+        return figure_bytes(ax.figure, suffix)
 
     first = make()
     assert first == make()
@@ -195,10 +195,10 @@ def test_files_are_the_same_bytes_on_every_run(suffix: str) -> None:
 def test_saving_chooses_by_suffix_and_leaves_no_part_behind(tmp_path: Path) -> None:
     """PNG and SVG; another suffix is refused, and nothing is left."""
     figure = plotting.speed_plot(np.ones(4), 4.0).figure
-    plotting.save_figure(figure, tmp_path / "a.PNG")  # type: ignore[arg-type]
-    plotting.save_figure(figure, tmp_path / "a.svg")  # type: ignore[arg-type]
+    plotting.save_figure(figure, tmp_path / "a.PNG")
+    plotting.save_figure(figure, tmp_path / "a.svg")
     with pytest.raises(InputError, match="svg"):
-        plotting.save_figure(figure, tmp_path / "a.bmp")  # type: ignore[arg-type]
+        plotting.save_figure(figure, tmp_path / "a.bmp")
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a.PNG", "a.svg"]
     assert (tmp_path / "a.PNG").read_bytes()[1:4] == b"PNG"
 
@@ -315,15 +315,15 @@ def test_what_cannot_be_drawn_is_refused() -> None:
     motion = bodies.arms_swinging(10)
     sim = kx.similarity(kx.poses(motion))
     with pytest.raises(InputError, match="z_mirror"):
-        plotting.similarity_plot(sim, kind="anti")  # type: ignore[arg-type]
+        plotting.similarity_plot(sim, kind="anti")
     with pytest.raises(InputError, match="str"):
-        plotting.similarity_plot("walk.bvh")  # type: ignore[arg-type]
+        plotting.similarity_plot("walk.bvh")
     with pytest.raises(InputError, match="one shape"):
         plotting.similarity_plot((np.eye(3), np.eye(4)))
     with pytest.raises(InputError, match="10 frames"):
         plotting.similarity_triangle((np.eye(3), np.eye(3)), motion)
     with pytest.raises(InputError, match="three-quarter"):
-        plotting.stick_figure(motion, 0, view="top")  # type: ignore[arg-type]
+        plotting.stick_figure(motion, 0, view="top")
     with pytest.raises(InputError, match="No frame 10"):
         plotting.stick_figure(motion, 10)
     with pytest.raises(InputError, match=r"\[0, 10\)"):

@@ -307,6 +307,7 @@ class TestRefusals:
             (np.eye(15)[7], "differ for left_femur"),
             ({"left_femur": 2.0}, "differ for left_femur"),
             ({"pelvis": 2.0}, "Unknown link in `weights`: pelvis"),
+            ({"femur": "heavy"}, "numbers; that of femur is 'heavy'"),
             ("heavy", "15 numbers or a mapping"),
         ],
     )

@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 import operator
 from dataclasses import dataclass, field
-from typing import SupportsIndex, overload
+from typing import Any, SupportsIndex, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -129,9 +129,9 @@ class Motion:
         """World orientations of all joints, quaternions, shape (frames, joints, 4)."""
         return kinematics.global_rotations(self.skeleton, self.rotations)
 
-    def replace(self, **changes: object) -> Motion:
+    def replace(self, **changes: Any) -> Motion:
         """A copy with some fields changed."""
-        return dataclasses.replace(self, **changes)  # type: ignore[arg-type]
+        return dataclasses.replace(self, **changes)
 
     @overload
     def __getitem__(self, item: slice) -> Motion: ...

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -157,9 +157,9 @@ class Skeleton:
         except KeyError:
             raise InputError(f"No joint is called '{name}'. Joints: {', '.join(self.joint_names)}.") from None
 
-    def replace(self, **changes: object) -> Skeleton:
+    def replace(self, **changes: Any) -> Skeleton:
         """A copy with some fields changed."""
-        return dataclasses.replace(self, **changes)  # type: ignore[arg-type]
+        return dataclasses.replace(self, **changes)
 
     def same_tree(self, other: Skeleton) -> bool:
         """Whether names and parents are the same (lengths may differ)."""

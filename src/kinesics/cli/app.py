@@ -6,7 +6,7 @@ import os
 import sys
 import traceback
 from collections.abc import Sequence
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -23,27 +23,14 @@ app = typer.Typer(
     rich_markup_mode="rich",
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-app.command(
-    name="demo",
-    short_help="Analyse a synthetic performance; say where the report is.",
-    epilog=terminal.examples(demo.EXAMPLES),
-)(demo.demo)
-app.command(
-    name="info", short_help="Say what a file is and what looks wrong with it.", epilog=terminal.examples(info.EXAMPLES)
-)(info.info)
-app.command(
-    name="analyze",
-    short_help="Compare all moments of recordings; leave a report.",
-    epilog=terminal.examples(analyze.EXAMPLES),
-)(analyze.analyze)
-app.command(
-    name="perform",
-    short_help="Make new movement from recordings.",
-    epilog=terminal.examples(perform.EXAMPLES),
-)(perform.perform)
-app.command(
-    name="convert", short_help="Write a recording in another format.", epilog=terminal.examples(convert.EXAMPLES)
-)(convert.convert)
+for command, told in (
+    (demo.demo, demo),
+    (info.info, info),
+    (analyze.analyze, analyze),
+    (perform.perform, perform),
+    (convert.convert, convert),
+):
+    app.command(short_help=told.SUMMARY, epilog=terminal.examples(told.EXAMPLES))(command)
 app.add_typer(data.app, name="data", short_help="List and fetch recordings of others.")
 
 
@@ -109,7 +96,7 @@ def run(arguments: Sequence[str]) -> int:
     return 0
 
 
-def _code(code: Any) -> int:
+def _code(code: str | int | None) -> int:
     if code is None:
         return 0
     if code == 130:

@@ -7,7 +7,7 @@ import sys
 import time
 from collections.abc import Sequence
 from types import TracebackType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -33,7 +33,7 @@ def console() -> Console:
     return Console(highlight=False, soft_wrap=True)
 
 
-def print_json(result: Any) -> None:
+def print_json(result: object) -> None:
     """A result for programs, alone on stdout."""
     print(json.dumps(result, indent=2, ensure_ascii=False, allow_nan=False))
 

@@ -296,7 +296,7 @@ def _to_metres_and_y_up(recording: Recording, source: Source, options: ReadOptio
     )
 
 
-def _as_path(path: Any) -> Path:
+def _as_path(path: str | PathLike[str]) -> Path:
     try:
         return Path(path)
     except TypeError:

@@ -103,7 +103,7 @@ def write(motion: Motion, path: Path, extras: Mapping[str, NDArray[Any]] | None 
             raise InputError(f"Expected extra '{name}' to be an array of numbers or texts, got {array.dtype}.")
         arrays[_EXTRA + name] = array
     packed = io.BytesIO()
-    # the header comes first: a file is recognised by how it begins
+    # the header comes first: a file is recognised by how it begins. NumPy's stub takes any keyword for its `allow_pickle`
     np.savez_compressed(packed, **{_HEADER: np.array(json.dumps(header)), **arrays})  # type: ignore[arg-type]
     return Written(((path, packed.getvalue()),))
 

@@ -96,7 +96,8 @@ def number(word: str | bytes) -> float:
         If the word is anything else, "nan", "inf" and "1_000" among them.
     """
     value = float(word)
-    if not math.isfinite(value) or (b"_" if isinstance(word, bytes) else "_") in word:  # type: ignore[operator]
+    grouped = b"_" in word if isinstance(word, bytes) else "_" in word
+    if grouped or not math.isfinite(value):
         raise ValueError(word)
     return value
 

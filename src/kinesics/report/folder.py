@@ -8,7 +8,7 @@ import json
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from importlib import resources
 from pathlib import Path
 from typing import Any, Final
@@ -161,6 +161,7 @@ def _check(target: Path, analysis: Analysis, overwrite: bool) -> None:
     try:
         there = [(s.get("name"), s.get("sha256")) for s in _read_facts(target / FACTS)["sources"]]
     except (InputError, KeyError, TypeError, AttributeError):
+        # whatever it is, it is no analysis of ours
         there = None
     if there != [(s.name, s.sha256) for s in analysis.sources]:
         what = "something else" if there is None else f"the analysis of {_names([n for n, _ in there])}"
@@ -228,5 +229,5 @@ _WHY: Final = {
 }
 
 
-def _names(names: list[Any]) -> str:
+def _names(names: Sequence[object]) -> str:
     return ", ".join(f"'{n}'" for n in names) or "nothing"

@@ -84,7 +84,10 @@ def check_weights(weights: Weights | None) -> Array:
             )
         for name, value in weights.items():
             for link in [name] if name in LINKS else [f"left_{name}", f"right_{name}"]:
-                out[LINKS.index(link)] = value
+                try:
+                    out[LINKS.index(link)] = value
+                except (TypeError, ValueError) as error:
+                    raise InputError(f"Expected `weights` to be numbers; that of {name} is {value!r}.") from error
     else:
         try:
             out = np.array(weights, dtype=np.float64)
