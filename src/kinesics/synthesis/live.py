@@ -5,8 +5,9 @@
 
 from __future__ import annotations
 
+import bisect
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -14,10 +15,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from kinesics.errors import InputError
 from kinesics.geometry import single
-from kinesics.geometry.single import Quaternion
+from kinesics.geometry.single import Quaternion, Vector
 from kinesics.synthesis import blending
 from kinesics.synthesis.network import Network
-from kinesics.synthesis.stage import SPARED, Stage, seams
+from kinesics.synthesis.repertoire import BACKWARD_STRANDS
+from kinesics.synthesis.stage import SPARED, Stage
 from kinesics.synthesis.treading import Treading
 
 Array = NDArray[np.float64]
@@ -74,6 +76,7 @@ class LiveRenderer:
         while joint > 0:
             joint = network.repertoire.skeleton.parents[joint]
             self._above.insert(0, joint)
+        self._starts = network.repertoire.starts.tolist()
         joints = network.repertoire.skeleton.joint_count
         self.path = -1
         """Number of the path that is being performed, −1 before the first frame."""
@@ -117,13 +120,11 @@ class LiveRenderer:
         strand, frame = divmod(self.moment, repertoire.frame_count)
         image, onward = strand % 2, frame + self._onwards
         rotations = repertoire.rotations[image, frame].copy()
-        self._face(rotations)
-        here = repertoire.root_positions[image, frame].tolist()
-        after = repertoire.root_positions[image, onward].tolist()
-        moved_x, moved_z = after[0] - here[0], after[2] - here[2]
+        rotations[self.stage.carrier] = self._faced(rotations, self._turn)
+        here, after = repertoire.root_positions[image, [frame, onward]].tolist()
         root = (float(self.place[0]), here[1], float(self.place[1]))
-        cosine, sine = math.cos(self._turn), math.sin(self._turn)
-        self.place += cosine * moved_x + sine * moved_z, -sine * moved_x + cosine * moved_z
+        x, _, z = _turned(single.subtract(after, here), self._turn)
+        self.place += x, z
         yaw = float(repertoire.poses.yaw[onward])
         self.heading = (-yaw if image else yaw) + self._turn
         if self._since < self._duration:
@@ -136,17 +137,15 @@ class LiveRenderer:
             root = self._treading.step(rotations, root, image, frame)
         return LiveFrame(rotations, np.array(root))
 
-    def _face(self, rotations: Array) -> None:
-        """Turn a body about the vertical, in place, by turning the joint that it hangs on: see `turn_bodies`."""
-        carrier = self.stage.carrier
-        turn: Quaternion = (math.cos(0.5 * self._turn), 0.0, math.sin(0.5 * self._turn), 0.0)
-        own: Quaternion = tuple(rotations[carrier].tolist())
+    def _faced(self, rotations: Array, turn: float) -> Quaternion:
+        """The rotation of the joint that a body hangs on, turned about the vertical: see `turn_bodies`."""
+        yaw: Quaternion = (math.cos(0.5 * turn), 0.0, math.sin(0.5 * turn), 0.0)
         if self._above:
-            above, *others = (tuple(rotations[joint].tolist()) for joint in self._above)
+            above, *others = (_plain(rotations[joint]) for joint in self._above)
             for q in others:
                 above = single.multiply(above, q)
-            turn = single.undo(above, single.multiply(turn, above))
-        rotations[carrier] = single.multiply(turn, own)
+            yaw = single.undo(above, single.multiply(yaw, above))
+        return single.multiply(yaw, _plain(rotations[self.stage.carrier]))
 
     def _begin(self, path: int) -> None:
         network, repertoire = self.network, self.network.repertoire
@@ -168,14 +167,7 @@ class LiveRenderer:
     def _cut(self, left: int, first: int) -> None:
         repertoire, stage = self.network.repertoire, self.stage
         turn = self._turn + float(repertoire.yaw_of(left)) - float(repertoire.yaw_of(first))
-        offsets, velocities = seams(
-            repertoire,
-            stage.carrier,
-            np.array([left]),
-            np.array([self._turn]),
-            np.array([first]),
-            np.array([turn]),
-        )
+        offset, velocity = self._seam(left, first, turn)
         # what is still left of the last transition goes along
         rest, speed = np.zeros_like(self._offset), np.zeros_like(self._velocity)
         if self._since < self._duration:
@@ -183,7 +175,7 @@ class LiveRenderer:
             at = np.array([max(self._since - dt, 0.0), self._since, self._since + dt])
             before, rest, after = blending.decay(self._offset, self._velocity, at[:, None], self._duration)
             speed = (after - before) / (at[2] - at[0])
-        self._offset, self._velocity = rest - offsets[0], speed - velocities[0]
+        self._offset, self._velocity = rest - offset, speed - velocity
         which = stage.blended
         span = blending.window(
             np.linalg.norm(self._offset[which], axis=-1),
@@ -195,6 +187,39 @@ class LiveRenderer:
         self._since = 0.0
         self._turn = turn
 
+    def _seam(self, left: int, first: int, turn: float) -> tuple[Array, Array]:
+        """`kinesics.synthesis.stage.seams` of one cut, shapes (joints + 1, 3)."""
+        repertoire, fps = self.network.repertoire, self.network.repertoire.fps
+        (image, here), (entered, there) = self._around(left), self._around(first)
+        reached = [a >= 0 and b >= 0 for a, b in zip(here, there, strict=True)]
+        # where either recording does not reach, the moment itself stands for the one beside it
+        here = [a if both else here[1] for a, both in zip(here, reached, strict=True)]
+        there = [b if both else there[1] for b, both in zip(there, reached, strict=True)]
+        old, new = repertoire.rotations[image, here], repertoire.rotations[entered, there]
+        offsets = np.empty((3, len(self._offset), 3))
+        offsets[:, :-1] = blending.rotation_offset(old, new)
+        roots = repertoire.root_positions[image, here].tolist(), repertoire.root_positions[entered, there].tolist()
+        for k, (before, after) in enumerate(zip(*roots, strict=True)):
+            own, other = self._faced(old[k], self._turn), self._faced(new[k], turn)
+            offsets[k, self.stage.carrier] = single.as_rotvec(single.undo(own, other))
+            offsets[k, -1] = single.subtract(_turned(after, turn), _turned(before, self._turn))
+        earlier, now, later = offsets
+        change, span = later - earlier, reached[0] + reached[2]
+        velocity = change * (fps / span) if span else np.zeros_like(change)
+        # a rotation vector leaps where it passes half a turn; such an offset has no velocity that could be told
+        velocity[np.einsum("ij,ij->i", change, change) >= 4.0] = 0.0
+        # the place on the floor is that of the recording left, by the way the paths were laid
+        now[-1, 0] = now[-1, 2] = 0.0
+        return now, velocity
+
+    def _around(self, moment: int) -> tuple[int, list[int]]:
+        """Which image a moment plays, and the frames before, at and after it, −1 where its recording does not reach."""
+        strand, frame = divmod(moment, self.network.repertoire.frame_count)
+        k = bisect.bisect_right(self._starts, frame)
+        step = -1 if BACKWARD_STRANDS[strand] else 1
+        inside = range(self._starts[k - 1], self._starts[k])
+        return strand % 2, [f if f in inside else -1 for f in (frame - step, frame, frame + step)]
+
     def _inside(self, rotations: Array) -> Array:
         """Joints of the body within their range, shape (joints, 4)."""
         stage = self.stage
@@ -205,3 +230,14 @@ class LiveRenderer:
             held = np.clip(vectors[beyond], stage.low[beyond], stage.high[beyond])
             rotations[beyond] = blending.add_rotation(stage.middle[beyond], held)
         return rotations
+
+
+def _plain(rotation: Array) -> Quaternion:
+    w, x, y, z = rotation.tolist()
+    return w, x, y, z
+
+
+def _turned(place: Sequence[float], yaw: float) -> Vector:
+    """A place turned about the vertical."""
+    cosine, sine = math.cos(yaw), math.sin(yaw)
+    return cosine * place[0] + sine * place[2], place[1], -sine * place[0] + cosine * place[2]

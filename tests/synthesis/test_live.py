@@ -1,0 +1,69 @@
+"""One cut at a time, live: the seam is that which a whole performance has there."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import kinesics as kx
+from kinesics.body.skeleton import Skeleton
+from kinesics.geometry import quaternion
+from kinesics.synthesis.live import LiveRenderer
+from kinesics.synthesis.network import Network, network
+from kinesics.synthesis.repertoire import repertoire
+from kinesics.synthesis.stage import Stage, seams
+
+
+def carried(motion: kx.Motion, turns: np.ndarray) -> kx.Motion:
+    """The same movement with the pelvis on a joint of its own that stands beneath it and turns, shape (frames, 4)."""
+    old = motion.skeleton
+    skeleton = Skeleton(
+        ("Reference", *old.joint_names), (-1, *(p + 1 for p in old.parents)), np.insert(old.offsets, 0, 0.0, axis=0)
+    )
+    rotations = np.insert(motion.rotations, 0, turns, axis=1)
+    rotations[:, 1] = quaternion.multiply(quaternion.conjugate(turns), motion.rotations[:, 0])
+    return kx.Motion(skeleton, rotations, motion.root_positions, motion.fps)
+
+
+@pytest.fixture(scope="module", params=["root", "beneath the pelvis"])
+def made(request: pytest.FixtureRequest) -> Network:
+    """Of a walk in a circle, backwards too; once with a joint above the pelvis that turns to and fro."""
+    walk = kx.performer.walk(seconds=6, fps=30, noise_degrees=0.5, noise_kind="smooth", route="circle", seed=5).motion
+    if request.param != "root":
+        angles = 0.4 * np.sin(np.arange(len(walk)) / 7.0)
+        walk = carried(walk, quaternion.from_axis_angle(np.tile([0.3, 1.0, 0.1], (len(walk), 1)), angles))
+    return network(repertoire(walk, backwards=True))
+
+
+def test_the_seam_is_that_of_the_whole(made: Network, rng: np.random.Generator) -> None:
+    """Offsets and velocities of all joints and the root, anywhere, also where a recording begins or ends."""
+    own = made.repertoire
+    stage = Stage.of(own)
+    live = LiveRenderer(made, [0])
+    last = own.frame_count - 1
+    ends = [own.frame_count * strand + frame for strand in range(4) for frame in (0, last)]
+    drawn = rng.integers(own.moment_count, size=(60, 2)).tolist()
+    for left, first in [*drawn, *zip(ends, reversed(ends), strict=True), *((e, 10) for e in ends)]:
+        yaw, turn = rng.uniform(-3.0, 3.0, 2)
+        live._turn = yaw
+        at = (np.array([v]) for v in (left, yaw, first, turn))
+        offsets, velocities = seams(own, stage.carrier, *at)
+        offset, velocity = live._seam(left, first, turn)
+        assert np.abs(offset - offsets[0]).max() < 1e-7
+        assert np.abs(velocity - velocities[0]).max() < 1e-5
+
+
+def test_a_body_is_carried_by_what_its_pelvis_hangs_on(made: Network) -> None:
+    """Both bodies were read as they were meant, so that what is tested here is tested on both."""
+    stage = Stage.of(made.repertoire)
+    assert stage.carrier == (1 if made.repertoire.skeleton.joint_names[0] == "Reference" else 0)
+
+
+@pytest.mark.parametrize("heading", [0.0, 2.0])
+def test_the_body_faces_where_it_is_told_to(made: Network, heading: float) -> None:
+    """The first frame has the heading asked for, and the place."""
+    frame = next(LiveRenderer(made, [3], start=(1.0, -2.0), heading=heading, pinned=False))
+    own = made.repertoire
+    body = kx.Motion(own.skeleton, np.stack([frame.rotations] * 2), np.stack([frame.root] * 2), own.fps)
+    assert np.exp(1j * kx.poses(body).yaw[0]) == pytest.approx(np.exp(1j * heading), abs=1e-6)
+    assert frame.root[[0, 2]] == pytest.approx([1.0, -2.0])
