@@ -69,21 +69,35 @@ def data_folder() -> Path | None:
     return folder if folder.is_dir() else None
 
 
+_LAUNCHER = """
+import json, os, subprocess, sys, time
+began = time.perf_counter()
+child = subprocess.Popen(sys.argv[1:], stdout=subprocess.DEVNULL)
+_, status, usage = os.wait4(child.pid, 0)
+child.returncode = os.waitstatus_to_exitcode(status)
+seconds = time.perf_counter() - began
+print(json.dumps([child.returncode, seconds, usage.ru_utime + usage.ru_stime, usage.ru_maxrss]))
+"""
+
+
 def measure(
     arguments: Sequence[str], folder: str, environment: Mapping[str, str] | None = None
 ) -> tuple[float, float, float]:
     """Wall seconds, seconds of processor time and peak MB of one run of a command, as a process of its own."""
-    began = time.perf_counter()
-    child = subprocess.Popen(arguments, cwd=folder, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
-    assert child.stderr is not None
-    said = child.stderr.read().decode()
-    _, status, usage = os.wait4(child.pid, 0)
-    child.returncode = os.waitstatus_to_exitcode(status)
-    child.stderr.close()
-    seconds = time.perf_counter() - began
-    if child.returncode != 0:
-        raise SystemExit(f"{' '.join(arguments)}: exit {child.returncode}\n{said}")
-    return seconds, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / (2**20 if sys.platform == "darwin" else 2**10)
+    # a child is said to have held at least what its parent held when it began: so a small parent begins it
+    launched = subprocess.run(
+        [sys.executable, "-S", "-c", _LAUNCHER, *arguments],
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    said = json.loads(launched.stdout) if launched.returncode == 0 else [launched.returncode, 0.0, 0.0, 0]
+    code, seconds, processor, peak = said
+    if code != 0:
+        raise SystemExit(f"{' '.join(arguments)}: exit {code}\n{launched.stderr}")
+    return seconds, processor, peak / (2**20 if sys.platform == "darwin" else 2**10)
 
 
 def main(run: Callable[[], Sequence[Table]], arguments: Sequence[str] | None = None) -> None:
