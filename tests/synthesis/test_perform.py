@@ -14,6 +14,7 @@ import pytest
 import kinesics as kx
 from kinesics.errors import InputError
 from kinesics.formats import read_extras
+from kinesics.grammar import edits
 from kinesics.report.performances import performance_schema
 from kinesics.synthesis import goals
 from kinesics.synthesis.piece import Piece
@@ -179,11 +180,76 @@ def test_a_recording_is_favoured(walks: list[kx.Motion]) -> None:
         assert (made.provenance.recording == number).mean() > 0.5
 
 
+@pytest.mark.parametrize("word", ["walk", "Slow Walk", "walk_in_a_circle.bvh"])
+def test_a_word_favours_the_recordings_that_have_it_in_their_names(walks: list[kx.Motion], word: str) -> None:
+    """As a person names them, small or large, with the suffix of the file or without; what was taken is said."""
+    stand = kx.performer.walk(seconds=6, fps=30, body=1.5, seed=3).motion.replace(name="sidestep")
+    named = [stand, walks[1].replace(name="slow-walk_in_a_circle" if word != "walk_in_a_circle.bvh" else word[:-4])]
+    made = kx.performance(named, favour=word, seconds=8)
+    assert (made.provenance.recording == 1).mean() > 0.5
+    assert any(line.startswith("favoured as") for line in made.motion.assumptions) == (not word.endswith("bvh"))
+
+
+def test_what_a_person_named_is_favoured_and_gone_to(walks: list[kx.Motion]) -> None:
+    """Names of phrases and states from a side file, and the kinds that a report counts."""
+    known = edits.parse('[states]\nrename = { A = "guard" }\n[phrases]\nrename = [ { frame = 30, name = "warm-up" } ]')
+    assert kx.performance(walks[0], favour="warm-up", seconds=3, edits=known).network.phrase[0] == "warm-up"
+    assert kx.performance(walks[0], favour="kind 1", seconds=3).network.phrase[0] == "kind 1"
+    made = kx.performance(walks[0], from_state="guard", to_state="guard*", edits=known)
+    assert made.attained
+    with pytest.raises(kx.InputError, match=r"guard, guard\*"):
+        kx.perform(walks[0], from_state="A", seconds=3, edits=known)
+
+
+@pytest.mark.parametrize("word", ["jacks", "jack", "cyclic-symmetric-palindromic"])
+def test_what_was_pruned_cannot_be_favoured_and_is_told_so(walks: list[kx.Motion], word: str) -> None:
+    """It is there, but nothing leads to it and back: another word than "unknown"."""
+    jacks = kx.performer.jumping_jacks(seconds=4, fps=30).motion.replace(name="jacks")
+    with pytest.raises(
+        kx.InputError, match=r"Nothing can be performed of (jacks|cyclic-symmetric-palindromic), which is to be"
+    ):
+        kx.perform([walks[0], jacks], favour=word, seconds=3)
+
+
+def test_one_word_that_is_nearly_right_is_answered_with_the_name(walks: list[kx.Motion]) -> None:
+    """Also where the name has other words besides."""
+    with pytest.raises(kx.InputError, match=r"Did you mean strange-walk_007\? There are: .*A, A\*, .*cyclic-antiphase"):
+        kx.perform(walks[0].replace(name="strange-walk_007"), favour="wlak", seconds=3)
+
+
+def test_what_is_given_twice_is_used_once(walks: list[kx.Motion]) -> None:
+    """The same recording, or a copy under another name: one source, and said."""
+    copy = walks[0].replace(name="copy")
+    made = kx.performance([walks[0], copy, walks[1], walks[0]], seconds=3)
+    assert [s.name for s in made.sources] == ["straight", "circle"]
+    said = made.motion.assumptions
+    assert "copy holds the very movement of straight: used once, as straight" in said
+    assert "straight was given more than once: used once" in said
+    alone = kx.perform([walks[0], walks[1]], seconds=3)
+    assert np.array_equal(alone.rotations, made.motion.rotations)
+
+
 def test_a_class_is_favoured() -> None:
     """The grammar's word for a kind of movement."""
     made = kx.performance(kx.performer.walk(seconds=6, fps=30).motion, favour="cyclic-antiphase", seconds=3)
     assert set(made.network.class_) >= {"cyclic-antiphase"}
     assert made.motion.duration == 3.0
+
+
+def test_places_one_after_the_other_are_sought_as_long_as_one_is(walks: list[kx.Motion]) -> None:
+    """The second lies inside the narrowest turn, and is come back to from farther on; judged by the movement performed."""
+    made = kx.performance(walks[:1], goal=goals.Targets([(0, 3), (1.5, 3.2)]), seed=1, mirrored=False)
+    assert made.attained
+    first, second = made.visits
+    assert 0 < first < second
+    for frame, place in zip(made.visits, made.places, strict=True):
+        assert np.hypot(*(made.trail[frame] - place)) <= 0.5
+    assert made.outcome[0].count("reached") == 2
+    assert any("degrees a metre, for 5 did not lead there" in line for line in made.motion.assumptions)
+    far = kx.performance(walks[:1], goal=goals.Targets([(0, 2), (0, 40)]), seconds=5)
+    assert not far.attained
+    assert far.outcome[0].startswith("reached (0.00, 2.00) after ")
+    assert "did not reach (0.00, 40.00): came within" in far.outcome[0]
 
 
 def test_goals_of_ones_own(walks: list[kx.Motion]) -> None:
@@ -348,6 +414,18 @@ def test_real_walks_come_to_their_target(shared_data: Path) -> None:
     assert made.nearest is not None
     assert made.nearest <= 0.5
     assert all(facts.sha256 for facts in made.sources)
+
+
+@pytest.mark.parametrize(("names", "target"), [(["16/16_35"], (4.0, 4.0)), (["09/09_06", "16/16_35"], (4.0, 4.0))])
+def test_runners_come_to_their_target_with_their_feet_in_place(
+    shared_data: Path, names: list[str], target: tuple[float, float]
+) -> None:
+    """Feet kept in place shorten every stride of a run; the way is chosen so that the body comes there all the same."""
+    runs = [kx.read(shared_data / "cmu" / f"{name}.amc") for name in names]
+    made = kx.performance(runs, target=target)
+    assert made.nearest is not None
+    assert made.nearest <= 0.5
+    assert made.attained
 
 
 def test_a_target_that_no_way_leads_to_is_told_so() -> None:

@@ -163,12 +163,33 @@ def test_what_cannot_be_performed_is_refused() -> None:
     for rate in (0.0, -30.0, float("nan")):
         with pytest.raises(InputError, match="fps"):
             repertoire([walk], fps=rate)
+    with pytest.raises(InputError, match=r"Expected 8 frames a second or more .* got `fps` = 1: one recording passes"):
+        repertoire([walk], fps=1.0)
+    with pytest.raises(InputError, match=r"walk has 2 frames a second, fewer than the 8"):
+        repertoire([walk.replace(fps=2.0)])
+    with pytest.raises(InputError, match=r"Too short to perform from: walk lasts 0.2 s, 12 frames"):
+        repertoire([walk[:12]])
+    with pytest.raises(InputError, match=r"Too short to perform from: walk, walk \(2\) last 0.2 s at most"):
+        repertoire([walk[:12], walk[:5]])
     stick = Skeleton(("a", "b"), (-1, 0), np.array([[0.0, 0.0, 0.0], [0.0, 1.0, 0.0]]))
     pole = Motion(stick, quaternion.identity((5, 2)), np.zeros((5, 3)), 30.0, name="pole")
     with pytest.raises(SkeletonError, match="pole"):
         repertoire([walk, pole])
-    with pytest.raises(SkeletonError, match="The skeleton to perform on"):
-        repertoire([walk], skeleton=stick)
+    for body in (stick, pole):
+        with pytest.raises(SkeletonError, match="The skeleton to perform on"):
+            repertoire([walk], skeleton=body)
+
+
+def test_the_skeleton_is_said_and_may_be_that_of_a_recording() -> None:
+    """Of the first, of the recording given for it, or given as such; a recording tells what a skeleton at rest does not."""
+    walk = bodies.legs_striding(30, file_name="walk")
+    other = walk.replace(skeleton=walk.skeleton.replace(offsets=1.1 * walk.skeleton.offsets), name="tall")
+    assert "performed on the skeleton of walk" in repertoire([walk]).assumptions
+    on_other = repertoire([walk], skeleton=other)
+    assert "performed on the skeleton of tall" in on_other.assumptions
+    np.testing.assert_array_equal(on_other.skeleton.offsets, other.skeleton.offsets)
+    given = repertoire([walk], skeleton=other.skeleton.replace(name="Eve"))
+    assert "performed on the skeleton 'Eve'" in given.assumptions
 
 
 def test_arrays_cannot_be_written_to(two_walks: Repertoire) -> None:
@@ -225,6 +246,8 @@ def test_a_rig_whose_stand_moves_and_other_rigs(shared_data: Path, tmp_path: Pat
     walk = kx.read(shared_data / "cmu/07/07_01.amc")
     rep = repertoire([*clips, walk])
     check(rep)
+    assert any("root joint, joint_Root, in the pelvis: its place is that of Hips" in said for said in rep.assumptions)
+    assert not any("root joint" in said for said in repertoire(walk).assumptions)
     for number, clip in enumerate(clips):
         # the same rig: its joints keep the rotations of the file, wrists and all
         ours = rep.rotations[0, rep.starts[number] : rep.starts[number + 1]]

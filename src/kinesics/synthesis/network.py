@@ -103,6 +103,8 @@ class Network:
     state_to: tuple[str, ...] = ()
     label: tuple[str, ...] = ()
     class_: tuple[str, ...] = ()
+    phrase: tuple[str, ...] = ()
+    """Names that a person gave to phrases; of one recording alone also their kinds, "kind 2"."""
 
     def __len__(self) -> int:
         """How many paths."""
@@ -445,7 +447,8 @@ def labelled(
     Parameters
     ----------
     graph : of the same recordings in the same order, as `kinesics.graph` reads it. Not necessarily racemic.
-    phrases : whose classes are given to the paths, as `kinesics.analyze` finds them; none leaves `Network.class_` empty.
+    phrases : whose classes and names are given to the paths, as `kinesics.analyze` finds them; none leaves `Network.class_` and
+        `Network.phrase` empty.
     at_states : whether a path is said to come from a state, or to lead to one, only if it begins or ends there itself. Else
         all pieces of a path of the motion graph carry the states at its two ends.
 
@@ -472,7 +475,7 @@ def labelled(
                 f"({source.frames}): give the graph of the same recordings, in the same order."
             )
     words = [_Words("", "", "")] * len(network)
-    classes = [""] * len(network)
+    classes, named = [""] * len(network), [""] * len(network)
     for number in range(repertoire.recording_count):
         own = np.flatnonzero(network.recording == number)
         if not len(own):
@@ -496,12 +499,16 @@ def labelled(
         for path, at in zip(own.tolist(), _most_shared(said, *ends[:, own]), strict=True):
             if at >= 0:
                 classes[path] = said[at].class_ or ""
+                named[path] = said[at].name or (
+                    f"kind {(said[at].kind or 0) + 1}" if repertoire.recording_count == 1 else ""
+                )
     return dataclasses.replace(
         network,
         state_from=tuple(w.state_from for w in words),
         state_to=tuple(w.state_to for w in words),
         label=tuple(w.label for w in words),
         class_=tuple(classes),
+        phrase=tuple(named),
     )
 
 

@@ -10,11 +10,10 @@ import dataclasses
 import math
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from kinesics.body import anatomy
 from kinesics.body.motion import Motion
@@ -23,17 +22,19 @@ from kinesics.errors import InputError, SkeletonError
 from kinesics.progress import Progress, silent
 from kinesics.synthesis import goals
 from kinesics.synthesis import network as networks
-from kinesics.synthesis.controller import BEND, BETA, LONGEST, Course, perform_paths
+from kinesics.synthesis.attempts import Attempt, best_attempt, performed
+from kinesics.synthesis.controller import BEND, BETA, LONGEST
 from kinesics.synthesis.network import Network
 from kinesics.synthesis.piece import Piece, SourceFacts
-from kinesics.synthesis.prospects import Prospects, prospects, trails
-from kinesics.synthesis.rendering import Performance, Provenance, render
+from kinesics.synthesis.prospects import Prospects, prospects
 from kinesics.synthesis.repertoire import repertoire
+from kinesics.synthesis.wish import SPARE, Grammar, Wish, check_names, favoured, names_recordings
 
 if TYPE_CHECKING:
-    from kinesics.analysis.facts import Phrase
-    from kinesics.grammar.graph import MotionGraph
+    from kinesics.grammar.edits import Edits
     from kinesics.synthesis.goals import Feature, Goal
+
+Array = NDArray[np.float64]
 
 SECONDS: Final = 20.0
 """How long is performed if neither a goal nor a time is given, and at least to be had for a goal."""
@@ -45,16 +46,6 @@ SETTLING: Final = 10.0
 """Seconds allowed besides, to turn round and to come to a stand."""
 STAYING: Final = 0.05
 """Metres a second: recordings that never get about faster stay in place."""
-NEAR: Final = goals.RADIUS - 0.12
-"""Metres from the target that the way is led to: where feet are kept in place the body may come to stand a little beside it."""
-SHARPER: Final = (1.0, 1.0, 2.0, 2.0, 2.0, 3.0, 3.0, 3.0)
-"""Ways drawn one after the other until one leads to the target or along the route, and how many times more each may be bent."""
-MOST_BEND: Final = 20.0
-"""Degrees a metre, to which the way may be bent on further attempts."""
-FAVOURED: Final = 1.0
-"""Weight of a favoured kind of movement beside the goal."""
-FRESH: Final = 0.05
-"""Weight of not repeating oneself beside a favoured kind of movement."""
 
 
 def perform(
@@ -73,10 +64,11 @@ def perform(
     bend: float = BEND,
     mirrored: bool = True,
     backwards: bool = False,
-    skeleton: Skeleton | None = None,
+    skeleton: Skeleton | Motion | None = None,
     fps: float | None = None,
     threshold: float | None = None,
     mapping: Mapping[str, object] | None = None,
+    edits: Edits | None = None,
     progress: Progress = silent,
 ) -> Motion:
     """A new movement from recordings, over the transitions between their moments ([Schultz2012] §4.4).
@@ -86,27 +78,33 @@ def perform(
 
     Parameters
     ----------
-    motions : recordings to perform from; one alone will do. Skeletons and frame rates may differ.
+    motions : recordings to perform from; one alone will do. Skeletons and frame rates may differ. What is given twice is used once.
     target : x, z in metres from where the performer starts, facing +z.
     route : corners of a line on the floor to follow, shape (n, 2), x and z in metres from where the performer starts.
     from_state, to_state : states of the motion graph (`kinesics.graph` of the same recordings names them, such as "A", "A*" or
         "X~"): begin in the one, and go to the other by the quickest way, on which every transition counts as 3 seconds or more:
         what was recorded between them is travelled rather than leapt over. The first alone is only where it begins.
-    favour : a class, a state or a path of the grammar, or the name of a recording, of which there is to be much. Beside a target
-        or route it is a soft pull only: of ways about as good the one with more of it is taken.
+    favour : of what there is to be much: a class ("cyclic-antiphase"), a state ("A*") or a path ("ab_1") of the grammar, a phrase
+        by the name that ``edits`` give it (of one recording also by its kind, "kind 2"), a recording by its name; or a word that
+        stands in the names of recordings, "walk". Beside a target or route it is a soft pull only: of ways about as good the one
+        with more of it is taken.
     goal : a goal, or several, of `kinesics.synthesis.goals`, or a feature of your own, in place of target and route.
     seconds : how long. With a goal at most, for it ends when that is attained. Without: 20, or what the goal may take.
     linger : with a goal, go on to the end of ``seconds``.
     seed : of all that is drawn; the same recordings and numbers give the same movement. Where the first way drawn does not lead
-        to the target or along the route, up to seven others are drawn, which may be bent up to three times more; the best is
+        to the target or along the route, up to seven others are drawn, which may be bent up to four times more; the best is
         performed.
     beta : how strictly the goal decides, from a stroll (0) to a beeline (infinite).
     bend : by how much the way may be bent towards the goal, degrees a metre.
     mirrored : whether mirror images of the recordings may be performed.
-    backwards : whether the recordings may be performed backwards, too.
-    skeleton, fps : of the result; those of the first recording unless given.
+    backwards : whether the recordings may be performed backwards, too: where the movement can be passed into from one that runs
+        forwards, pose and velocity alike, as a reversible path can ([Schultz2012] §3.5). Nothing asks whether gravity allows it:
+        a jump played backwards looks like none.
+    skeleton, fps : of the result; those of the first recording unless given. For the skeleton a recording on it will do, and
+        what its rest pose alone does not tell is seen there.
     threshold : largest mean D of a transition; found from the recordings unless given.
     mapping : joint names by the user, where a skeleton is not understood (see `kinesics.body.anatomy.resolve`).
+    edits : names, merges and splits of states, paths and phrases (see `kinesics.grammar.edits`), by which they may be asked for.
     progress : called with a fraction now and then; may raise to stop.
 
     Raises
@@ -136,6 +134,7 @@ def perform(
         fps=fps,
         threshold=threshold,
         mapping=mapping,
+        edits=edits,
         progress=progress,
     ).motion
 
@@ -156,21 +155,23 @@ def performance(
     bend: float = BEND,
     mirrored: bool = True,
     backwards: bool = False,
-    skeleton: Skeleton | None = None,
+    skeleton: Skeleton | Motion | None = None,
     fps: float | None = None,
     threshold: float | None = None,
     mapping: Mapping[str, object] | None = None,
+    edits: Edits | None = None,
     progress: Progress = silent,
 ) -> Piece:
     """As `perform`, with all that is known of how the movement came about."""
-    wish = _Wish.of(target, route, from_state, to_state, favour, goal)
+    wish = Wish.of(target, route, from_state, to_state, favour, goal)
     if seconds is not None and not (isinstance(seconds, int | float | np.number) and 0.0 < float(seconds) <= LONGEST):
         raise InputError(f"Expected `seconds` above 0 and at most {LONGEST:g}, got {seconds!r}.")
     seed = _whole(seed)
-    given = _given(motions, mapping)
+    given, twice = _given(motions, mapping)
     progress(0.0, "bringing the recordings together")
     stock = repertoire(given, skeleton=skeleton, fps=fps, mirrored=mirrored, backwards=backwards)
-    grammar = _grammar(given, wish, stock.names, progress)
+    wish = wish.by_name(given, stock.names)
+    grammar = _grammar(given, wish, stock.names, edits, progress)
     seams = () if grammar is None or wish.from_state is None else networks.state_seams(stock, grammar.graph)
     with warnings.catch_warnings():
         # what was pruned is told in the result
@@ -183,36 +184,27 @@ def performance(
         )
     if grammar is not None:
         net = networks.labelled(net, grammar.graph, grammar.phrases, at_states=True)
+        check_names(net, wish, grammar)
     start = _start(net, wish, seed)
     progress(0.6, "looking ahead")
     ahead = prospects(net)
     most = _most_seconds(wish, ahead, seconds)
-    sharpness = SHARPER if wish.may_try_again(most, _pace(ahead)) else SHARPER[:1]
-    best: tuple[Course, float] | None = None
-    for attempt, sharper in enumerate(sharpness):
-        bent = min(sharper * bend, max(bend, MOST_BEND))
-        progress(0.75 + 0.1 * attempt / len(sharpness), "choosing the way")
-        course = perform_paths(
-            net,
-            wish.goals(),
-            most,
-            seed if attempt == 0 else np.random.default_rng([seed, attempt]),
-            finish=wish.ends and not linger,
-            beta=beta,
-            bend=bent,
-            start=start,
-            prepared=ahead,
-        )
-        if best is None or course.attained or wish.miss(course) < wish.miss(best[0]):
-            best = course, bent
-        if course.attained:
-            break
-    assert best is not None
-    course, bent = best
+    best = best_attempt(
+        net,
+        wish,
+        most,
+        seed,
+        finish=wish.ends and not linger,
+        beta=beta,
+        bend=bend,
+        start=start,
+        ahead=ahead,
+        again=wish.may_try_again(most, _pace(ahead)),
+        more_time=seconds is None,
+        progress=lambda share: progress(0.75 + 0.1 * share, "choosing the way"),
+    )
     progress(0.85, "performing")
-    ways = trails(net)
-    walked = ways.travelled[ways.start + net.length][course.paths]
-    done = _from_the_origin(_first(render(net, course.paths, bend=course.bends * walked), len(course.moments)))
+    done = performed(net, best.course) if best.done is None else best.done
     parameters: dict[str, Any] = {
         **wish.plain(),
         "seconds": seconds,
@@ -220,14 +212,14 @@ def performance(
         "seed": seed,
         "beta": float(beta) if np.isfinite(beta) else "infinite",
         "bend": float(bend),
-        "bend_used": float(bent),
+        "bend_used": float(best.bend),
         "mirrored": bool(mirrored),
         "backwards": bool(backwards),
         "fps": stock.fps,
         "threshold": threshold,
     }
     motion = done.motion.replace(
-        assumptions=(*stock.assumptions, *_chosen(net, parameters, bent)),
+        assumptions=(*twice, *stock.assumptions, *favoured(net, wish), *_chosen(net, parameters, best)),
     )
     facts = tuple(
         SourceFacts(
@@ -236,109 +228,23 @@ def performance(
         for m, name in zip(given, stock.names, strict=True)
     )
     progress(1.0, "performed")
-    piece = Piece(dataclasses.replace(done, motion=motion), course, net, facts, parameters)
+    piece = Piece(
+        dataclasses.replace(done, motion=motion),
+        best.course,
+        net,
+        facts,
+        parameters,
+        wish.places,
+        wish.radius or goals.RADIUS,
+    )
     motion = motion.replace(warnings=_doubts(piece, wish, ahead, most, seconds))
     return dataclasses.replace(piece, performance=dataclasses.replace(done, motion=motion))
 
 
-@dataclass(frozen=True, eq=False)
-class _Wish:
-    """What is wished for, checked before any work is done."""
-
-    target: goals.Target | None
-    route: goals.Route | None
-    from_state: str | None
-    to_state: str | None
-    favour: str | None
-    own: tuple[Goal | Feature, ...]
-
-    @classmethod
-    def of(
-        cls,
-        target: ArrayLike | None,
-        route: ArrayLike | None,
-        from_state: str | None,
-        to_state: str | None,
-        favour: str | None,
-        goal: Goal | Feature | Sequence[Goal | Feature] | None,
-    ) -> _Wish:
-        where = {"target": target, "route": route, "to_state": to_state, "goal": goal}
-        asked = [name for name, value in where.items() if value is not None]
-        if len(asked) > 1:
-            raise InputError(f"Expected one thing to go for, got {' and '.join(asked)}: give one of them.")
-        if to_state is not None and from_state is None:
-            raise InputError(
-                f"A way to the state {to_state!r} begins in a state, too: give `from_state` (--from) beside `to_state` (--to)."
-            )
-        own: tuple[Any, ...] = () if goal is None else tuple(goal) if isinstance(goal, (list, tuple)) else (goal,)
-        return cls(
-            None if target is None else goals.Target(target, radius=NEAR),  # type: ignore[arg-type]
-            None if route is None else goals.Route(route),
-            from_state,
-            to_state,
-            favour,
-            own,
-        )
-
-    @property
-    def ends(self) -> bool:
-        """Whether there is something to be attained."""
-        return bool(self.target or self.route or self.to_state or self.own)
-
-    @property
-    def metres(self) -> float:
-        """The straight way to it."""
-        if self.target is not None:
-            return math.hypot(*self.target.position)
-        if self.route is not None:
-            x, z = np.asarray(self.route.points)[0].tolist()
-            return self.route.length + math.hypot(x, z)
-        return 0.0
-
-    def may_try_again(self, seconds: float, pace: float) -> bool:
-        """Whether, where the first draw does not lead there, another may."""
-        return (self.target is not None or self.route is not None) and self.metres <= seconds * pace
-
-    def miss(self, course: Course) -> float:
-        """Metres from target or end of the route at best."""
-        if self.target is not None:
-            place = np.asarray(self.target.position)
-        elif self.route is not None:
-            place = np.asarray(self.route.points)[-1]
-        else:
-            return 0.0
-        return float(np.hypot(*(course.ground - place).T).min())
-
-    def goals(self) -> list[Goal | Feature]:
-        """For the controller; something new all the time, where nothing is wished for."""
-        out: list[Goal | Feature] = list(self.own)
-        if self.target is not None:
-            out.append(self.target)
-        if self.route is not None:
-            out.append(self.route)
-        if self.to_state is not None:
-            assert self.from_state is not None
-            out.append(goals.StateToState(self.from_state, self.to_state))
-        goes_somewhere = bool(out)
-        if self.favour is not None:
-            out.append(goals.Favour(self.favour, weight=FAVOURED))
-        if not goes_somewhere:
-            out.append(goals.Novelty(weight=1.0 if self.favour is None else FRESH))
-        return out
-
-    def plain(self) -> dict[str, Any]:
-        """As plain values."""
-        return {
-            "target": None if self.target is None else list(self.target.position),
-            "route": None if self.route is None else np.asarray(self.route.points).tolist(),
-            "from_state": self.from_state,
-            "to_state": self.to_state,
-            "favour": self.favour,
-            "goal": [repr(g) if dataclasses.is_dataclass(g) else type(g).__name__ for g in self.own],
-        }
-
-
-def _given(motions: Motion | Sequence[Motion], mapping: Mapping[str, object] | None) -> list[Motion]:
+def _given(
+    motions: Motion | Sequence[Motion], mapping: Mapping[str, object] | None
+) -> tuple[list[Motion], tuple[str, ...]]:
+    """Each recording once, understood by the user's mapping; and what was left out for having been given before."""
     if not isinstance(motions, Motion | Iterable):
         raise InputError(f"Expected motions to perform from, got {type(motions).__name__}.")
     given = [motions] if isinstance(motions, Motion) else list(motions)
@@ -352,7 +258,35 @@ def _given(motions: Motion | Sequence[Motion], mapping: Mapping[str, object] | N
             except SkeletonError as error:
                 name = motion.source.file_name or motion.name or f"recording {k + 1}"
                 raise SkeletonError(f"{name}: {error}", found=error.found, missing=error.missing) from error
-    return given
+    once: list[Motion] = []
+    said: list[str] = []
+    for motion in given:
+        same = next((other for other in once if _same(motion, other)), None)
+        if same is None:
+            once.append(motion)
+            continue
+        name, first = (m.source.file_name or m.name or "a recording" for m in (motion, same))
+        said.append(
+            f"{name} was given more than once: used once"
+            if name == first
+            else f"{name} holds the very movement of {first}: used once, as {first}"
+        )
+    return once, tuple(dict.fromkeys(said))
+
+
+def _same(a: Motion, b: Motion) -> bool:
+    """Whether two recordings are one, to the last bit."""
+    if a is b:
+        return True
+    if a.fps != b.fps or a.rotations.shape != b.rotations.shape or not a.skeleton.same_tree(b.skeleton):
+        return False
+    pairs = [
+        (a.skeleton.offsets, b.skeleton.offsets),
+        (a.root_positions, b.root_positions),
+        (a.rotations, b.rotations),
+        (a.joint_translations, b.joint_translations),
+    ]
+    return all(x is y or (x is not None and y is not None and np.array_equal(x, y)) for x, y in pairs)
 
 
 def _whole(seed: object) -> int:
@@ -365,28 +299,25 @@ def _whole(seed: object) -> int:
     return int(number)
 
 
-class _Grammar(NamedTuple):
-    graph: MotionGraph
-    phrases: Sequence[Phrase]
-
-
-def _grammar(motions: Sequence[Motion], wish: _Wish, names: Sequence[str], progress: Progress) -> _Grammar | None:
+def _grammar(
+    motions: Sequence[Motion], wish: Wish, names: Sequence[str], edits: Edits | None, progress: Progress
+) -> Grammar | None:
     """What the recordings say of states, paths and classes; None where nobody asks."""
-    if wish.favour is not None and wish.favour not in names:
+    if wish.favour is not None and not names_recordings(wish.favour, names, edits):
         from kinesics.analysis import analyze
 
         progress(0.1, "reading the grammar")
-        read = analyze(motions)
-        return _Grammar(read.graph, read.phrases)
+        read = analyze(motions, edits=edits)
+        return Grammar(read.graph, read.phrases)
     if wish.from_state is not None:
         from kinesics.analysis import joint
 
         progress(0.1, "reading the grammar")
-        return _Grammar(joint.graph(motions), ())
+        return Grammar(joint.graph(motions, edits=edits), ())
     return None
 
 
-def _start(net: Network, wish: _Wish, seed: int) -> int | None:
+def _start(net: Network, wish: Wish, seed: int) -> int | None:
     """A path that begins in the state wished for; None if the way itself, or the draw, decides."""
     if wish.from_state is None or wish.to_state is not None:
         return None
@@ -399,13 +330,13 @@ def _pace(ahead: Prospects) -> float:
     return ahead.reach / ahead.lookahead
 
 
-def _most_seconds(wish: _Wish, ahead: Prospects, seconds: float | None) -> float:
+def _most_seconds(wish: Wish, ahead: Prospects, seconds: float | None) -> float:
     pace = _pace(ahead)
-    away = wish.metres - (goals.RADIUS if wish.target is not None else 0.0)
+    away = wish.metres - wish.radius
     if away > 0.0 and pace < STAYING:
         raise InputError(
             f"These recordings stay in place (at most {pace:.2g} metres a second in a straight line): no "
-            f"{'target' if wish.target is not None else 'route'} can be reached with them. Give recordings that go about, "
+            f"{'target' if wish.places else 'route'} can be reached with them. Give recordings that go about, "
             "or perform without a place to go to."
         )
     if seconds is not None:
@@ -415,58 +346,29 @@ def _most_seconds(wish: _Wish, ahead: Prospects, seconds: float | None) -> float
     return min(MOST_SECONDS, max(SECONDS, SETTLING + DETOUR * wish.metres / pace))
 
 
-def _first(done: Performance, frames: int) -> Performance:
-    """The first frames of a performance: the last path may be cut short."""
-    if frames >= done.motion.frame_count:
-        return done
-    where = done.provenance
-    cut = {f.name: getattr(where, f.name)[:frames] for f in dataclasses.fields(where)}
-    return dataclasses.replace(
-        done,
-        motion=done.motion[:frames],
-        provenance=Provenance(**cut),
-        paths=done.paths[: int(cut["step"][-1]) + 1],
-        cuts=done.cuts[done.cuts < frames],
-        feet=done.feet[:frames],
-        contacts=tuple(c._replace(end=min(c.end, frames)) for c in done.contacts if c.start < frames),
-        corrected=done.corrected[:frames],
-        lowered=done.lowered[:frames],
-        missed=done.missed[:frames],
-    )
-
-
-def _from_the_origin(done: Performance) -> Performance:
-    """The same, begun at x = z = 0: where feet are kept in place the body leans a little, in the first frame too."""
-    x, _, z = done.motion.root_positions[0].tolist()
-    return dataclasses.replace(
-        done,
-        motion=done.motion.replace(root_positions=done.motion.root_positions - [x, 0.0, z]),
-        contacts=tuple(c._replace(place=(c.place[0] - x, c.place[1] - z)) for c in done.contacts),
-    )
-
-
-def _chosen(net: Network, parameters: Mapping[str, Any], bent: float) -> tuple[str, ...]:
+def _chosen(net: Network, parameters: Mapping[str, Any], best: Attempt) -> tuple[str, ...]:
     from kinesics import __version__
 
     return (
         f"transitions up to a mean D of {net.threshold:.3g} ({net.rule})",
         *(f"not used: {pruned}" for pruned in net.pruned),
-        f"chosen with seed {parameters['seed']}, beta {parameters['beta']}, bend {bent:g} degrees a metre"
-        + ("" if bent == parameters["bend"] else f", for {parameters['bend']:g} did not lead there")
+        f"chosen with seed {parameters['seed']}, beta {parameters['beta']}, bend {best.bend:g} degrees a metre"
+        + ("" if best.bend == parameters["bend"] else f", for {parameters['bend']:g} did not lead there")
+        + ("" if best.via is None else f", by way of ({best.via.place[0]:.1f}, {best.via.place[1]:.1f}) to turn there")
         + f", by kinesics {__version__}",
     )
 
 
-def _hopeless(piece: Piece, wish: _Wish, ahead: Prospects) -> bool:
+def _hopeless(piece: Piece, wish: Wish, ahead: Prospects) -> bool:
     """Whether no way to the target was found from where the performer began."""
     assert wish.target is not None
     x, z = wish.target.position
-    bend = math.radians(piece.parameters["bend"])
-    tables = ahead.to_go(wish.target.radius, bend)
+    bend = math.radians(piece.parameters["bend_used"])
+    tables = ahead.to_go(wish.radius - SPARE, bend)
     return tables.hopeless(int(piece.course.paths[0]), complex(z, x))
 
 
-def _doubts(piece: Piece, wish: _Wish, ahead: Prospects, most: float, seconds: float | None) -> tuple[str, ...]:
+def _doubts(piece: Piece, wish: Wish, ahead: Prospects, most: float, seconds: float | None) -> tuple[str, ...]:
     """What did not go as wished, and what helps."""
     out = [
         f"nothing is performed of {name}: no transition leads there and back again; recordings nearer to the others, longer "
@@ -476,7 +378,12 @@ def _doubts(piece: Piece, wish: _Wish, ahead: Prospects, most: float, seconds: f
     if wish.ends and not piece.attained:
         told = "; ".join(piece.outcome) or "the goal was not attained"
         pace = _pace(ahead)
-        if wish.metres > most * pace:
+        if piece.course.attained and wish.places:
+            advice = (
+                ": the way that was chosen leads there, but keeping the feet in place takes the body beside it; give another seed "
+                "or a lower `fps` (--fps), or recordings whose feet slide less"
+            )
+        elif wish.metres > most * pace:
             advice = (
                 f": {wish.metres:.1f} m at {pace:.2f} m/s, the fastest there is, take longer than {most:g} s; "
                 "give more seconds"
@@ -486,7 +393,7 @@ def _doubts(piece: Piece, wish: _Wish, ahead: Prospects, most: float, seconds: f
                 ": no way there was found with these recordings; give recordings that turn more, another seed, or allow "
                 "more `bend` (--bend)"
             )
-        elif wish.target is not None or wish.route is not None:
+        elif wish.places or wish.route is not None:
             advice = (
                 ": give more seconds, another seed, or recordings that turn more"
                 if seconds is not None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Final, NamedTuple
@@ -83,6 +83,10 @@ class Piece:
     sources: tuple[SourceFacts, ...]
     parameters: Mapping[str, Any]
     """Everything that, with the recordings, makes this very movement: plain values."""
+    places: tuple[tuple[float, float], ...] = ()
+    """To be reached one after the other: x, z in metres."""
+    radius: float = RADIUS
+    """How near to a place counts as there."""
 
     @property
     def motion(self) -> Motion:
@@ -101,21 +105,33 @@ class Piece:
 
     @property
     def attained(self) -> bool:
-        """Whether the goal was, a target or route by the movement as performed; False if there was none that could be."""
+        """Whether the goal was, places or a route by the movement as performed; False if there was none that could be."""
         if self.aside is not None and self.aside > ASIDE:
             return False
-        return self.course.attained if self.nearest is None else self.nearest <= RADIUS
+        return len(self.visits) == len(self.places) if self.places else self.course.attained
 
     @property
     def outcome(self) -> tuple[str, ...]:
         """What came of the goal, in words."""
-        if self.nearest is None:
+        if not self.places:
             return self.course.outcome
-        x, z = self.parameters["target"]
-        if not self.attained:
-            return (f"did not reach ({x:.2f}, {z:.2f}): came within {self.nearest:.2f} m",)
-        there = int(np.argmax(np.hypot(*(self.trail - [x, z]).T) <= RADIUS))
-        return (f"reached ({x:.2f}, {z:.2f}) after {there / self.motion.fps:.1f} s",)
+        there = self.visits
+        told = [
+            f"reached ({x:.2f}, {z:.2f}) after {frame / self.motion.fps:.1f} s"
+            for (x, z), frame in zip(self.places, there, strict=False)
+        ]
+        if len(there) < len(self.places):
+            x, z = self.places[len(there)]
+            since = self.trail[there[-1] if there else 0 :]
+            told.append(
+                f"did not reach ({x:.2f}, {z:.2f}): came within {float(np.hypot(*(since - [x, z]).T).min()):.2f} m"
+            )
+        return ("; ".join(told),)
+
+    @cached_property
+    def visits(self) -> list[int]:
+        """Frames at which the places were reached, one after the other, as many as were."""
+        return visits(self.trail, self.places, self.radius)
 
     @property
     def pruned(self) -> tuple[Pruned, ...]:
@@ -152,7 +168,7 @@ class Piece:
     def aside(self) -> float | None:
         """Median of the metres between the performer and the route; None without a route."""
         route = self.parameters["route"]
-        return None if route is None else float(np.median(_distance_to_line(self.trail, np.asarray(route))))
+        return None if route is None else aside_of(self.trail, np.asarray(route))
 
     @cached_property
     def spans(self) -> tuple[Span, ...]:
@@ -260,6 +276,23 @@ class Piece:
                 for c in self.crossings
             ],
         }
+
+
+def visits(trail: Array, places: Sequence[tuple[float, float]], radius: float) -> list[int]:
+    """Frames at which a trail of shape (frames, 2) first comes near to places one after the other, as many as it reaches."""
+    out: list[int] = []
+    for place in places:
+        begun = out[-1] if out else 0
+        near = np.flatnonzero(np.hypot(*(trail[begun:] - place).T) <= radius)
+        if not len(near):
+            break
+        out.append(begun + int(near[0]))
+    return out
+
+
+def aside_of(trail: Array, corners: Array) -> float:
+    """Median of the metres between a trail of shape (frames, 2) and a line with these corners."""
+    return float(np.median(_distance_to_line(trail, corners)))
 
 
 def _distance_to_line(points: Array, corners: Array) -> Array:

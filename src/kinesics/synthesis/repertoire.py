@@ -37,6 +37,15 @@ MIRRORED_STRANDS: Final = (False, True, False, True)
 BACKWARD_STRANDS: Final = (False, False, True, True)
 """Whether time runs from later frames to earlier ones in a strand."""
 
+LEAST_FPS: Final = 8.0
+"""Frames a second: one recording goes over into another within a quarter of a second, which has to hold two frames."""
+
+LEAST_SECONDS: Final = 0.5
+"""Of the longest recording: in less, nothing can be left and come back to."""
+
+LIFTED: Final = 0.05
+"""Metres between the root joint and the pelvis from which it is said that the result has the root in the pelvis."""
+
 
 class FrameStrand(NamedTuple):
     """A moment taken apart."""
@@ -200,7 +209,7 @@ class Repertoire:
 def repertoire(
     motions: Motion | Sequence[Motion],
     *,
-    skeleton: Skeleton | None = None,
+    skeleton: Skeleton | Motion | None = None,
     fps: float | None = None,
     mirrored: bool = True,
     backwards: bool = False,
@@ -210,7 +219,8 @@ def repertoire(
     Parameters
     ----------
     motions : of any humanoid skeletons and frame rates; one alone will do.
-    skeleton : of the output; that of the first recording if not given.
+    skeleton : of the output, or a recording on it, which tells more of a rig at rest in no human pose; that of the first
+        recording if not given.
     fps : frames a second of the output; those of the first recording if not given.
     mirrored : whether mirror images may be performed too.
     backwards : whether recordings may be played backwards too (reversible paths, §3.5).
@@ -218,7 +228,8 @@ def repertoire(
     Raises
     ------
     InputError
-        If there is no motion, a motion has a single frame, or the frame rate is not positive.
+        If there is no motion, a motion has a single frame, all are too short, or a frame rate is too low to pass from one
+        recording to another.
     SkeletonError
         If a skeleton cannot be understood as a human body or has no feet; the message says which recording.
 
@@ -233,14 +244,29 @@ def repertoire(
     for name, motion in zip(names, motions, strict=True):
         if motion.frame_count < 2:
             raise InputError(f"{name} is a single pose: nothing moves in it. Give recordings of two frames or more.")
-    rate = motions[0].fps if fps is None else float(fps)
-    if not (np.isfinite(rate) and rate > 0):
-        raise InputError(f"Expected a frame rate above 0, got `fps` = {fps}.")
+    rate = _rate(fps, motions, names)
+    longest = max(m.duration for m in motions)
+    if longest < LEAST_SECONDS:
+        raise InputError(
+            f"Too short to perform from: {_shown(names)} {'lasts' if len(names) == 1 else 'last'} {longest:.2g} s"
+            f"{'' if len(names) == 1 else ' at most'}, {max(m.frame_count for m in motions)} frames. Give recordings of some "
+            f"seconds ({LEAST_SECONDS:g} s at the very least), in which the movement recurs."
+        )
     understood = [_understood(m, name) for m, name in zip(motions, names, strict=True)]
     said = [f"performed at {rate:g} frames a second" + (f", the rate of {names[0]}" if fps is None else "")]
     if skeleton is None:
         said.append(f"performed on the skeleton of {names[0]}")
+        skeleton = understood[0].skeleton
+    elif isinstance(skeleton, Motion):
+        whose = skeleton.name or "the recording given for it"
+        said.append(f"performed on the skeleton of {whose}")
+        skeleton = _understood(skeleton, f"The skeleton to perform on, of {whose}").skeleton
+    else:
+        said.append(
+            f"performed on the skeleton {skeleton.name!r}" if skeleton.name else "performed on the skeleton given"
+        )
     body = _output_body(skeleton, understood)
+    said += _root_put(skeleton, body)
     rotations: list[tuple[Array, Array]] = []
     roots: list[tuple[Array, Array]] = []
     contacts: list[NDArray[np.bool_]] = []
@@ -294,6 +320,43 @@ def repertoire(
     )
 
 
+def _rate(fps: float | None, motions: Sequence[Motion], names: Sequence[str]) -> float:
+    """Frames a second of the output."""
+    rate = motions[0].fps if fps is None else float(fps)
+    if not (np.isfinite(rate) and rate > 0):
+        raise InputError(f"Expected a frame rate above 0, got `fps` = {fps}.")
+    why = "one recording passes into another within a quarter of a second, which has to hold two frames or more"
+    if fps is not None and rate < LEAST_FPS:
+        raise InputError(f"Expected {LEAST_FPS:g} frames a second or more to perform at, got `fps` = {rate:g}: {why}.")
+    for name, motion in zip(names, motions, strict=True):
+        if motion.fps < LEAST_FPS:
+            raise InputError(
+                f"{name} has {motion.fps:g} frames a second, fewer than the {LEAST_FPS:g} it takes to perform: {why}. If the "
+                "file is wrong about its rate, read it with the right one (`kinesics.read(…, fps=…)`)."
+            )
+    return rate
+
+
+def _root_put(before: Skeleton, after: Skeleton) -> list[str]:
+    """That the root joint lies in the pelvis, where in the recordings it does not: a stand on the floor, for one."""
+    assert after.anatomy is not None
+    path = [joint := after.anatomy.pelvis]
+    while after.parents[joint] > 0:
+        path.append(joint := after.parents[joint])
+    away = float(np.linalg.norm(sum(before.offsets[j] for j in path))) if after.anatomy.pelvis else 0.0
+    if away < LIFTED:
+        return []
+    root, pelvis = after.joint_names[0], after.joint_names[after.anatomy.pelvis]
+    return [
+        f"performed with the root joint, {root}, in the pelvis: its place is that of {pelvis}, which has none of its own; in the "
+        f"recordings on this skeleton it lies elsewhere, {away:.2f} m away at rest"
+    ]
+
+
+def _shown(names: Sequence[str]) -> str:
+    return ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
+
+
 def _understood(motion: Motion, name: str) -> Motion:
     try:
         return _anatomy.understood(motion)
@@ -301,10 +364,8 @@ def _understood(motion: Motion, name: str) -> Motion:
         raise SkeletonError(f"{name}: {error}", found=error.found, missing=error.missing) from error
 
 
-def _output_body(skeleton: Skeleton | None, motions: Sequence[Motion]) -> Skeleton:
+def _output_body(skeleton: Skeleton, motions: Sequence[Motion]) -> Skeleton:
     """The skeleton to perform on, with its anatomy, and with the joints above the pelvis (a rig's stand) drawn into it."""
-    if skeleton is None:
-        skeleton = motions[0].skeleton
     if skeleton.anatomy is None:
         # a recording on the same joints tells more than the rest pose
         like = next((m.skeleton for m in motions if m.skeleton.same_tree(skeleton)), None)

@@ -1,0 +1,251 @@
+"""What is wished for of a performance: checked before any work is done, its names looked up, and what it comes to."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kinesics.body.motion import Motion
+from kinesics.errors import InputError
+from kinesics.synthesis import goals
+from kinesics.synthesis.goals.naming import unusable, with_word
+from kinesics.synthesis.network import Network
+from kinesics.synthesis.piece import ASIDE, aside_of, visits
+from kinesics.vocabulary import MovementClass
+
+if TYPE_CHECKING:
+    from kinesics.analysis.facts import Phrase
+    from kinesics.grammar.edits import Edits
+    from kinesics.grammar.graph import MotionGraph
+    from kinesics.synthesis.goals import Feature, Goal
+
+Array = NDArray[np.float64]
+
+SPARE: Final = 0.12
+"""Metres by which the way is led nearer to a target than it has to be: where feet are kept in place the body may come to stand a
+little beside it."""
+FAVOURED: Final = 1.0
+"""Weight of a favoured kind of movement beside the goal."""
+FRESH: Final = 0.05
+"""Weight of not repeating oneself beside a favoured kind of movement."""
+_SUFFIXES: Final = (".bvh", ".amc", ".glb", ".gltf", ".npz")
+"""Of recordings' files: a recording may be named with or without."""
+
+
+class Detour(NamedTuple):
+    """A place to be gone to although nobody asked for it."""
+
+    before: int
+    """Number of the place wished for that comes after it."""
+    place: tuple[float, float]
+    """x, z in metres."""
+
+
+class Grammar(NamedTuple):
+    """What the recordings say of states, paths and classes."""
+
+    graph: MotionGraph
+    phrases: Sequence[Phrase]
+
+
+@dataclass(frozen=True, eq=False)
+class Wish:
+    """What is wished for, checked before any work is done."""
+
+    target: goals.Target | None
+    route: goals.Route | None
+    from_state: str | None
+    to_state: str | None
+    favour: str | None
+    own: tuple[Goal | Feature, ...]
+
+    @classmethod
+    def of(
+        cls,
+        target: ArrayLike | None,
+        route: ArrayLike | None,
+        from_state: str | None,
+        to_state: str | None,
+        favour: str | None,
+        goal: Goal | Feature | Sequence[Goal | Feature] | None,
+    ) -> Wish:
+        """From the arguments of `kinesics.perform`.
+
+        Raises
+        ------
+        InputError
+            If they contradict each other or are none.
+        """
+        where = {"target": target, "route": route, "to_state": to_state, "goal": goal}
+        asked = [name for name, value in where.items() if value is not None]
+        if len(asked) > 1:
+            raise InputError(f"Expected one thing to go for, got {' and '.join(asked)}: give one of them.")
+        if to_state is not None and from_state is None:
+            raise InputError(
+                f"A way to the state {to_state!r} begins in a state, too: give `from_state` (--from) beside `to_state` (--to)."
+            )
+        own: tuple[Any, ...] = () if goal is None else tuple(goal) if isinstance(goal, (list, tuple)) else (goal,)
+        return cls(
+            None if target is None else goals.Target(target, radius=goals.RADIUS),  # type: ignore[arg-type]
+            None if route is None else goals.Route(route),
+            from_state,
+            to_state,
+            favour,
+            own,
+        )
+
+    @property
+    def ends(self) -> bool:
+        """Whether there is something to be attained."""
+        return bool(self.target or self.route or self.to_state or self.own)
+
+    @property
+    def _to_places(self) -> goals.Target | goals.Targets | None:
+        """The goal that leads to places, where there is just one such."""
+        if self.target is not None:
+            return self.target
+        led = [g for g in self.own if isinstance(g, goals.Target | goals.Targets)]
+        return led[0] if len(led) == 1 else None
+
+    @property
+    def places(self) -> tuple[tuple[float, float], ...]:
+        """Places to be reached one after the other."""
+        goal = self._to_places
+        return () if goal is None else (goal.position,) if isinstance(goal, goals.Target) else tuple(goal.positions)
+
+    @property
+    def radius(self) -> float:
+        """How near to a place counts as there; 0 without one."""
+        goal = self._to_places
+        return 0.0 if goal is None else goal.radius
+
+    @property
+    def metres(self) -> float:
+        """The straight way to it."""
+        if self.route is not None:
+            x, z = np.asarray(self.route.points)[0].tolist()
+            return self.route.length + math.hypot(x, z)
+        return sum(math.dist(a, b) for a, b in itertools.pairwise(((0.0, 0.0), *self.places)))
+
+    def may_try_again(self, seconds: float, pace: float) -> bool:
+        """Whether, where the first draw does not lead there, another may."""
+        return bool(self.places or self.route is not None) and self.metres <= seconds * pace
+
+    def miss(self, trail: Array, attained: bool) -> tuple[float, float]:
+        """How many places were not reached, and metres from the next; 0 and 0 if all were.
+
+        Of a route 1 and metres from its end at best, if it was not attained or left aside.
+        """
+        if self.places:
+            there = visits(trail, self.places, self.radius)
+            if len(there) == len(self.places):
+                return 0.0, 0.0
+            since = trail[there[-1] if there else 0 :]
+            return float(len(self.places) - len(there)), float(np.hypot(*(since - self.places[len(there)]).T).min())
+        if attained and (self.route is None or aside_of(trail, np.asarray(self.route.points)) <= ASIDE):
+            return 0.0, 0.0
+        if self.route is None:
+            return 1.0, 0.0
+        return 1.0, float(np.hypot(*(trail - np.asarray(self.route.points)[-1]).T).min())
+
+    def by_name(self, motions: Sequence[Motion], names: Sequence[str]) -> Wish:
+        """With the name of a recording in place of that of its file, where that is favoured."""
+        if self.favour is None or self.favour in names or not self.favour.lower().endswith(_SUFFIXES):
+            return self
+        whose = [n for m, n in zip(motions, names, strict=True) if m.source.file_name == self.favour]
+        return dataclasses.replace(self, favour=whose[0] if whose else self.favour.rpartition(".")[0])
+
+    def goals(self, drift: complex = 1.0, via: Detour | None = None) -> list[Goal | Feature]:
+        """For the controller; something new all the time, where nothing is wished for.
+
+        Parameters
+        ----------
+        drift : what the way decided for has to be multiplied by, to be the way performed, as z + i·x.
+        via : a place to be gone to besides.
+        """
+        led = self._to_places
+        out: list[Goal | Feature] = [g for g in self.own if g is not led]
+        if led is not None:
+            out.append(_aimed(led, drift, via))
+        if self.route is not None:
+            out.append(self.route)
+        if self.to_state is not None:
+            assert self.from_state is not None
+            out.append(goals.StateToState(self.from_state, self.to_state))
+        goes_somewhere = bool(out)
+        if self.favour is not None:
+            out.append(goals.Favour(self.favour, weight=FAVOURED))
+        if not goes_somewhere:
+            out.append(goals.Novelty(weight=1.0 if self.favour is None else FRESH))
+        return out
+
+    def plain(self) -> dict[str, Any]:
+        """As plain values."""
+        return {
+            "target": None if self.target is None else list(self.target.position),
+            "route": None if self.route is None else np.asarray(self.route.points).tolist(),
+            "from_state": self.from_state,
+            "to_state": self.to_state,
+            "favour": self.favour,
+            "goal": [repr(g) if dataclasses.is_dataclass(g) else type(g).__name__ for g in self.own],
+        }
+
+
+def _aimed(led: goals.Target | goals.Targets, drift: complex, via: Detour | None) -> goals.Target | goals.Targets:
+    """Somewhat nearer than asked for, and to where it has to be decided for so that the body comes to the place."""
+    radius = max(led.radius - SPARE, 0.5 * led.radius)
+    places = [complex(z, x) / drift for x, z in ((led.position,) if isinstance(led, goals.Target) else led.positions)]
+    aims = [(place.imag, place.real) for place in places]
+    if via is not None:
+        aims.insert(via.before, via.place)
+    if len(aims) == 1:
+        return goals.Target(aims[0], radius, led.weight)
+    return goals.Targets(aims, radius, led.weight)
+
+
+def names_recordings(word: str, names: Sequence[str], edits: Edits | None) -> bool:
+    """Whether a word can only mean recordings, so that the grammar need not be read for it."""
+    if word in names:
+        return True
+    small = word.isalpha() and word.islower()
+    return small and edits is None and word not in tuple(MovementClass) and bool(with_word(word, names))
+
+
+def check_names(net: Network, wish: Wish, grammar: Grammar) -> None:
+    """Refuse what the grammar knows but nothing of which can be performed."""
+    graph = grammar.graph.racemic()
+    states = {s.label for s in graph.states}
+    for state, there in ((wish.from_state, net.state_from), (wish.to_state, net.state_to)):
+        if state in states and state not in there:
+            raise InputError(
+                f"The state {state!r} is in the recordings, but no transition leads {'from' if there is net.state_from else 'to'} "
+                "it and back again. Give longer recordings, in which it returns, or a larger `threshold` (--threshold); or ask "
+                f"for one of: {', '.join(sorted(set(there) - {''}))}."
+            )
+    known = states | {p.label for p in graph.paths} | {p.class_ or "" for p in grammar.phrases}
+    known |= {p.name or "" for p in grammar.phrases}
+    if wish.favour in known - {""} and not any(
+        wish.favour in words for words in (net.class_, net.label, net.state_from, net.state_to, net.phrase)
+    ):
+        raise unusable([wish.favour])
+
+
+def favoured(net: Network, wish: Wish) -> tuple[str, ...]:
+    """What a word was taken to mean, where it is no name."""
+    if wish.favour is None:
+        return ()
+    recordings = {net.repertoire.names[k] for k in np.unique(net.recording).tolist()}
+    if any(
+        wish.favour in words for words in (net.class_, net.label, net.state_from, net.state_to, net.phrase, recordings)
+    ):
+        return ()
+    meant = [n for words in (net.class_, net.phrase) for n in with_word(wish.favour, set(words), whole=True)]
+    meant += with_word(wish.favour, recordings)
+    return (f"favoured as {wish.favour!r}: {', '.join(meant)}",)
