@@ -18,7 +18,7 @@ class InputError(KinesicsError, ValueError):
 
 
 class FileError(InputError):
-    """A file cannot be read as a recording.
+    """A file cannot be read as what it should be, or not be written.
 
     Parameters
     ----------

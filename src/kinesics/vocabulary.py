@@ -1,6 +1,6 @@
-"""The closed vocabularies: links of the body, relations of two paths, classes of movement. A leaf.
+"""The closed vocabularies: links of the body, classes of movement. A leaf.
 
-Sources: links [Schultz2012] §2.7, §2.10; relations §3.2, §3.4; classes §3.4 completed by the seven frieze groups
+Sources: links [Schultz2012] §2.7, §2.10; classes §3.4 completed by the seven frieze groups
 (CONVENTIONS.md).
 """
 
@@ -33,15 +33,6 @@ LINK_PARENTS: Final[tuple[int, ...]] = (-1, 0, 1, 2, 3, 4, 5, 0, 7, 3, 9, 0, 11,
 
 MIRROR_LINKS: Final[tuple[int, ...]] = (0, 1, 2, 3, 4, 5, 6, 11, 12, 13, 14, 7, 8, 9, 10)
 """Index of the link that each link becomes in the mirror: W swaps left and right ([Schultz2012] §2.10)."""
-
-
-class Relation(StrEnum):
-    """How one stretch of movement recurs in another: a Klein four-group."""
-
-    SAME = "same"
-    MIRROR = "mirror"
-    REVERSE = "reverse"
-    MIRROR_REVERSE = "mirror_reverse"
 
 
 class MovementClass(StrEnum):

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import kinesics as kx
+from kinesics.body.mirroring import partners
 from kinesics.errors import InputError
 from kinesics.performer import STANDING, T_POSE, Body, posture
-from kinesics.performer.body import JOINT, LINK_JOINTS, MIRROR_JOINTS
+from kinesics.performer.body import JOINT, LINK_JOINTS
 from kinesics.performer.postures import ANGLE, ANGLES, joint_rotations, mirror, pose
 from kinesics.vocabulary import LINK_PARENTS, MIRROR_LINKS
 
@@ -62,7 +63,7 @@ def test_impossible_bodies_are_refused(arguments, name):
 def test_the_skeleton_is_its_own_mirror_image():
     """Left and right have the same lengths, reflected."""
     skeleton = Body().skeleton
-    np.testing.assert_allclose(skeleton.mirror(MIRROR_JOINTS).offsets, skeleton.offsets, atol=0)
+    np.testing.assert_allclose(skeleton.mirror(partners(skeleton)).offsets, skeleton.offsets, atol=0)
 
 
 def test_each_link_has_a_joint_of_its_own():

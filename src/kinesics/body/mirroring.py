@@ -48,6 +48,11 @@ def partners(skeleton: Skeleton, roles: Roles | None = None) -> tuple[int, ...]:
 
     Names decide where they tell a side; below the limbs whose roles are known, the tree does. The result keeps the tree:
     the partner of a joint's parent is its partner's parent. A joint without a counterpart stays itself.
+
+    Raises
+    ------
+    SkeletonError
+        If a branch on one side has no counterpart that it could change places with.
     """
     split = [split_name(n) for n in skeleton.joint_names]
     out = [-1] * skeleton.joint_count

@@ -147,6 +147,8 @@ def write(
     ------
     InputError
         If the suffix belongs to no format, a file is there and ``overwrite`` is false, or the motion cannot be expressed.
+    FileError
+        If there is no such folder, or the file cannot be written.
     """
     path = _as_path(path)
     chosen = for_writing(path)

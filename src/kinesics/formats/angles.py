@@ -75,7 +75,13 @@ def angles_of_rotations(rotations: Array, order: str, axes: str) -> tuple[Array,
 
 
 def complete_order(letters: str, preferred: str) -> str:
-    """Three axes in an order that has the given ones in theirs: the preferred order if it does, else the first that does."""
+    """Three axes in an order that has the given ones in theirs: the preferred order if it does, else the first that does.
+
+    Raises
+    ------
+    ValueError
+        If the letters are no axes, or one is there twice: a caller's mistake, for files are checked before.
+    """
     letters = letters.upper()
     for candidate in (preferred, *map("".join, permutations("XYZ"))):
         if "".join(a for a in candidate if a in letters) == letters:

@@ -90,12 +90,6 @@ def _parent_of(name: str) -> int:
 PARENTS: Final[tuple[int, ...]] = tuple(_parent_of(name) for name in JOINT_NAMES)
 """Index of each joint's parent; −1 for the root."""
 
-MIRROR_JOINTS: Final[tuple[int, ...]] = tuple(
-    JOINT["Right" + name[4:] if name.startswith("Left") else "Left" + name[5:] if name.startswith("Right") else name]
-    for name in JOINT_NAMES
-)
-"""Index of the joint that each joint changes places with in the mirror."""
-
 
 @dataclass(frozen=True)
 class ContactPoint:

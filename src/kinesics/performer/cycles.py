@@ -235,6 +235,11 @@ def cyclic_score(
     ----------
     shape : already of its class (`symmetrise`).
     lift : from phase and the cycle's length in seconds to metres above the ground.
+
+    Raises
+    ------
+    InputError
+        If a number is out of range, or ``seconds`` are fewer than two periods.
     """
     seconds = check_number("seconds", seconds, 0.05, 3600.0, unit="s")
     period = check_number("period", period, 0.2, 60.0, unit="s")

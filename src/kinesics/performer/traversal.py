@@ -56,7 +56,7 @@ class Step:
 
 
 def parse_step(step: Step | str) -> Step:
-    """A step from notation: "ab_1", or "<ab_1" backwards."""
+    """A step from notation: "ab_1", or "<ab_1" backwards. Raises InputError for what is neither that nor a `Step`."""
     if isinstance(step, Step):
         return step
     if not isinstance(step, str):
@@ -252,7 +252,7 @@ def traversal_score(
     seed: int = 0,
     parts: Sequence[Part] | None = None,
 ) -> Score:
-    """The score of a traversal. Parameters as in `traverse`; ``parts`` names the phrases (default: one of all steps)."""
+    """The score of a traversal: parameters and errors as in `traverse`; ``parts`` names the phrases (default: one of all steps)."""
     taken = [parse_step(s) for s in steps]
     if not taken:
         raise InputError("Expected at least one step to take.")
