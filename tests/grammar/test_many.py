@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import dataclasses
+from pathlib import Path
+
+import numpy as np
 import pytest
 
 import kinesics as kx
 from kinesics.errors import InputError
-from kinesics.grammar import classes, edits, many
+from kinesics.grammar import classes, edits, many, whole
 from kinesics.performer.random_graphs import covering_steps, random_graph
 from performed_graphs import performed
 
@@ -109,6 +113,86 @@ def test_edits_are_honoured_on_several_recordings() -> None:
         steps = edited.graph.timeline(source)
         assert (steps[0].start, steps[-1].end) == (0, motion.frame_count)
     assert edited.graph == kx.graph([a, b], edits=edits.parse(text))
+
+
+def _kinds(*motions: kx.Motion) -> list[list[tuple[int, bool]]]:
+    """Of each recording the kinds of its phrases, and which are mirrored."""
+    grammars = many.match_kinds([whole.read_grammar(kx.poses(m), with_graph=False) for m in motions])
+    return [[(p.kind, p.mirrored) for p in g.phrases] for g in grammars]
+
+
+def _exercises(*names: str, seed: int = 1) -> kx.Motion:
+    """One exercise after the other, ten seconds each, in one recording."""
+    parts = [kx.performer.perform(n, seed=seed, seconds=10.0, fps=30, noise_degrees=0.3).motion for n in names]
+    return dataclasses.replace(
+        parts[0],
+        rotations=np.concatenate([p.rotations for p in parts]),
+        root_positions=np.concatenate([p.root_positions for p in parts]),
+    )
+
+
+def test_kinds_are_the_same_in_a_copy_and_in_a_mirror() -> None:
+    """The same clip twice has the same kinds; in its mirror image those are mirrored that are not their own mirror image."""
+    motion = _exercises("wave", "squat", "walk")
+    alone = [p.kind for p in whole.read_grammar(kx.poses(motion)).phrases]
+    assert alone == [0, 1, 2]
+    assert _kinds(motion, motion) == [[(k, False) for k in alone]] * 2
+    assert _kinds(motion, kx.mirror(motion)) == [[(k, False) for k in alone], [(0, True), (1, False), (2, False)]]
+    assert _kinds(kx.mirror(motion), motion) == _kinds(motion, kx.mirror(motion))
+
+
+def test_within_one_recording_the_other_hand_is_told() -> None:
+    """Waving with the one hand, walking, waving with the other: two kinds, the last phrase mirrored, from either end."""
+    left = _exercises("wave")
+    walk = _exercises("walk")
+    motion = dataclasses.replace(
+        left,
+        rotations=np.concatenate([m.rotations for m in (left, walk, kx.mirror(left))]),
+        root_positions=np.concatenate([m.root_positions for m in (left, walk, left)]),
+    )
+    assert _kinds(motion) == [[(0, False), (1, False), (0, True)]]
+    assert _kinds(kx.reverse(motion)) == [[(0, False), (1, False), (0, True)]]
+
+
+def test_kinds_are_counted_through_all_recordings_in_the_order_given() -> None:
+    """What was seen before keeps its number, what is new gets the next one, whatever the frame rate."""
+    first = _exercises("wave", "squat", seed=1)
+    second = _exercises("walk", "squat", "wave", seed=2)
+    assert _kinds(first, second) == [[(0, False), (1, False)], [(2, False), (1, False), (0, False)]]
+    assert _kinds(second, first.resample(24.0)) == [[(0, False), (1, False), (2, False)], [(2, False), (1, False)]]
+
+
+def test_two_walks_are_of_one_kind_and_a_kata_is_of_another(shared_data: Path) -> None:
+    """Walks of three people are one kind, whatever their styles; side kicks are another."""
+    walks = [kx.read(shared_data / f"cmu/{name}.amc") for name in ("07/07_01", "02/02_01", "16/16_21")]
+    kicks = kx.read(shared_data / "cmu/135/135_11.amc")
+    assert _kinds(*walks, kicks) == [[(0, False)], [(0, False)], [(0, False)], [(1, False)]]
+
+
+def test_exercises_are_known_again(shared_data: Path) -> None:
+    """Jumping jacks are one kind in all three recordings, knee raises and squats in two, and nothing else is (`segments.tsv`)."""
+    one, two, three = (
+        [kind for kind, _ in part]
+        for part in _kinds(*(kx.read(shared_data / f"cmu/{name}.amc") for name in ("13/13_29", "13/13_30", "14/14_06")))
+    )
+    assert one[0] == two[0] == three[0]
+    assert set(one) & set(two) == {one[0], one[4], one[5]}
+    assert set(three) & {*one, *two} == {one[0]}
+
+
+def test_names_of_a_person_stay_with_their_phrases() -> None:
+    """Phrases that a person has split keep the kind they had, as it is counted through all recordings."""
+    first, second = _exercises("squat"), _exercises("wave", "squat", seed=2)
+    told = edits.parse("phrases.split = [ { frame = 450, source = 1 } ]")
+    found = kx.analyze([first, second], edits=told).phrases
+    assert [(p.source, p.kind) for p in found] == [(0, 0), (1, 1), (1, 0), (1, 0)]
+    assert found[-1].start == 450
+
+
+def test_a_recording_of_a_few_frames_has_no_kinds() -> None:
+    """It is passed over; the others are matched."""
+    squat = _exercises("squat")
+    assert _kinds(squat, squat[:3], squat) == [[(0, False)], [], [(0, False)]]
 
 
 def test_bad_calls_are_told() -> None:

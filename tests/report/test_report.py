@@ -260,13 +260,13 @@ def test_several_sources_share_one_folder(tmp_path: Path) -> None:
 
 
 def test_the_page_says_which_recording_is_which(tmp_path: Path) -> None:
-    """Two of one name: numbered, each with its stretch of the common time; kinds are counted recording by recording."""
+    """Two of one name: numbered, each with its stretch of the common time; kinds are counted through both."""
     walk = bodies.legs_striding(90, file_name="walk.bvh")
     kx.save(kx.analyze([walk, walk]), tmp_path / "two")
     text = _page(tmp_path / "two").text
     one, two = f"{walk.duration:.2f}", f"{2 * walk.duration:.2f}"
     assert f"walk.bvh (1) from 0.00 to {one} s, walk.bvh (2) from {one} to {two} s" in text
-    assert "Phrases of one recording that are of one kind" in text
+    assert "Phrases of one kind have one number and one colour, in whichever recording they are." in text
 
 
 def test_every_path_has_a_strip_and_twins_share_one() -> None:

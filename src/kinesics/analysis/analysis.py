@@ -152,6 +152,8 @@ def analyze(
             )
         )
 
+    grammars = list(many.match_kinds(grammars))
+
     doubts = [quality.inspect(m) for m in understood]
     sources = tuple(_source(*parts) for parts in zip(understood, sequences, doubts, grammars, strict=True))
     phrases = [

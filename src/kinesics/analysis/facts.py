@@ -95,7 +95,9 @@ class Phrase:
     log_dimensionless_jerk: float | None = None
     """Likewise, by jerk."""
     kind: int | None = None
-    """The same number for phrases of one recording that are of the same kind, in order of appearance."""
+    """The same number for phrases of the same kind of movement, in all recordings, in order of appearance."""
+    mirrored: bool = False
+    """It is like the first phrase of its kind as that is seen in a mirror, and not as it is."""
     repeats: float | None = None
     """How many periods long it is."""
     bias_largest_degrees: float | None = None

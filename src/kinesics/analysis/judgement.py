@@ -61,6 +61,7 @@ def _phrase(source: int, phrase: JudgedPhrase, moments: Moments, speed: Array, f
         smoothness=_known(smooth.spectral_arc_length),
         log_dimensionless_jerk=_known(smooth.log_dimensionless_jerk),
         kind=phrase.kind,
+        mirrored=phrase.mirrored,
         name=phrase.name,
     )
 

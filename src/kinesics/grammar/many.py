@@ -1,4 +1,5 @@
-"""One motion graph of many recordings: what they share is one state, one path (§3.6.2, and §1.3 on motion graphs)."""
+"""Many recordings read together: what they share is one state and one path of one motion graph (§3.6.2, and §1.3 on motion
+graphs), and their phrases are of the same kinds."""
 
 from __future__ import annotations
 
@@ -8,16 +9,18 @@ from collections.abc import Iterable, Sequence
 from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinesics.body.pose import PoseSequence, check_alike
 from kinesics.errors import InputError
-from kinesics.grammar import assembly, direction, reading, whole
+from kinesics.grammar import assembly, direction, phrases, reading, whole
 from kinesics.grammar import moments as _moments
 from kinesics.grammar.assembly import Recorded
 from kinesics.grammar.cyclic import Anchor, Cyclic
 from kinesics.grammar.graph import MotionGraph, Occurrence, Source, Stay, build
 from kinesics.grammar.moments import Moments
-from kinesics.grammar.whole import Grammar
+from kinesics.grammar.phrases import Phrase
+from kinesics.grammar.whole import Grammar, JudgedPhrase
 from kinesics.progress import Progress, silent
 from kinesics.similarity import Weights
 
@@ -71,10 +74,10 @@ def read_graph(
     for number, (k, m, first) in enumerate(zip(order, seen, starts, strict=False)):
         progress(0.3 * number / len(own), f"classes of {named[k]}")
         if m.count >= whole.LEAST_MOMENTS:
-            overall, phrases = (grammars[k].overall, grammars[k].as_read) if grammars else whole.judge(own[k])
+            overall, judged = (grammars[k].overall, grammars[k].as_read) if grammars else whole.judge(own[k])
             if from_end:
-                overall, phrases = whole.turned_round(overall, phrases, m.source_frames)
-            cyclic += [_shifted(stretch, first) for stretch in whole.cyclic_stretches(m, overall, phrases)]
+                overall, judged = whole.turned_round(overall, judged, m.source_frames)
+            cyclic += [_shifted(stretch, first) for stretch in whole.cyclic_stretches(m, overall, judged)]
     read = reading.read(together, cyclic, whole.part(progress, 0.3, 1.0), breaks=starts[1:-1])
     if from_end:
         read = direction.reversed_reading(read, together.count)
@@ -86,6 +89,90 @@ def read_graph(
         for k, m, first in zip(order, seen, starts, strict=False)
     ]
     return _in_order_given(assembly.assemble_many(read, together, parts), order)
+
+
+def match_kinds(grammars: Sequence[Grammar]) -> tuple[Grammar, ...]:
+    """The grammars with one numbering of kinds: phrases of the same kind of movement have the same number in all recordings.
+
+    Kinds of one recording stay apart. Those of different recordings are matched as phrases of one recording are, under D or D*,
+    the nearest first: each is found in the other. `JudgedPhrase.mirrored` is against the first phrase of the kind in any of them.
+    """
+    read = [k for k, g in enumerate(grammars) if g.as_read and g.moments.poses is not None]
+    if len(read) < 2:
+        return tuple(grammars)
+    rate = min(grammars[k].moments.fps for k in read)
+    coarse: list[Moments] = []
+    tiles: list[Phrase] = []
+    groups: list[int] = []
+    kinds: list[tuple[int, int]] = []
+    for k in read:
+        source = grammars[k].moments
+        assert source.poses is not None
+        own = _moments.from_poses(source.poses, rate, weights=source.weights)
+        part = dataclasses.replace(phrases.thinned(own, phrases.RATE)[0], noise=source.noise)
+        first = sum(c.count for c in coarse)
+        coarse.append(part)
+        share = part.count / source.source_frames
+        last = 0
+        for judged in grammars[k].as_read:
+            end = part.count if judged.end == source.source_frames else round(judged.end * share)
+            if end <= last:
+                continue
+            if (k, judged.kind) not in kinds:
+                kinds.append((k, judged.kind))
+            tiles.append(Phrase(first + last, first + end, 0, judged.still))
+            groups.append(kinds.index((k, judged.kind)))
+            last = end
+    number, flipped = _matched(phrases.kinds_apart(_joined(coarse), tiles, groups), [k for k, _ in kinds])
+    # the longest of each kind was compared: what it is to the first of its recording, that one is to it
+    longest = [
+        max((p for p in grammars[k].as_read if p.kind == kind), key=lambda p: p.end - p.start) for k, kind in kinds
+    ]
+    known = {
+        which: (n, flip != long.mirrored) for which, n, flip, long in zip(kinds, number, flipped, longest, strict=True)
+    }
+    alone = len(kinds)
+    everyone: list[JudgedPhrase] = []
+    for k, g in enumerate(grammars):
+        for p in g.as_read:
+            n, flip = known.get((k, p.kind), (alone + sum(len(o.as_read) for o in grammars[:k]) + p.kind, False))
+            everyone.append(dataclasses.replace(p, kind=n, mirrored=p.mirrored != flip))
+    counted = iter(whole.in_order_of_kinds(everyone))
+    return tuple(_with_kinds(g, [next(counted) for _ in g.as_read]) for g in grammars)
+
+
+def _matched(apart: NDArray[np.float64], recordings: Sequence[int]) -> tuple[list[int], list[bool]]:
+    """The number of what each kind is matched with, and whether it is its mirror image; the nearest are matched first.
+
+    Parameters
+    ----------
+    apart : as `kinesics.grammar.phrases.kinds_apart` tells it.
+    recordings : of each kind the recording; two of one are not matched.
+    """
+    count = len(recordings)
+    number, flipped = list(range(count)), [False] * count
+    first, second = np.nonzero(np.triu(apart[0] <= phrases.KIN, 1))
+    for k in np.argsort(apart[0, first, second], kind="stable"):
+        a, b = int(first[k]), int(second[k])
+        one, other = ([m for m in range(count) if number[m] == number[x]] for x in (a, b))
+        if {recordings[m] for m in one} & {recordings[m] for m in other}:
+            continue
+        turned = phrases.mirror_image(*apart[1:, a, b].tolist()) != (flipped[a] != flipped[b])
+        for m in other:
+            number[m], flipped[m] = number[a], flipped[m] != turned
+    return number, flipped
+
+
+def _with_kinds(grammar: Grammar, counted: Sequence[JudgedPhrase]) -> Grammar:
+    """The same grammar, kinds and mirror images of its phrases being those of its phrases as they were read."""
+    known = {
+        was.kind: (now.kind, now.mirrored != was.mirrored) for was, now in zip(grammar.as_read, counted, strict=True)
+    }
+    edited = []
+    for p in grammar.phrases:
+        kind, flip = known[p.kind]
+        edited.append(dataclasses.replace(p, kind=kind, mirrored=p.mirrored != flip))
+    return dataclasses.replace(grammar, phrases=tuple(edited), as_read=tuple(counted))
 
 
 def _joined(recordings: Sequence[Moments]) -> Moments:

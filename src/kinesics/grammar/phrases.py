@@ -80,7 +80,7 @@ _SEARCHES: Final = 1000
 """Stretches of each phrase that are looked for in the others."""
 _SEEN_S: Final = 12.0
 """Of a longer phrase so much, from its middle, is looked for in the others."""
-_KIN: Final = 0.4
+KIN: Final = 0.4
 """Mean residual up to which two phrases are of one kind."""
 
 
@@ -96,6 +96,8 @@ class Phrase:
     """A rest: the body stays where it is."""
     recurs: bool = False
     """The movement recurs within the phrase; False for what is made once."""
+    mirrored: bool = False
+    """It is like the first phrase of its kind as that is seen in a mirror, and not as it is."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,12 +127,10 @@ def find_phrases(moments: Moments) -> tuple[Phrase, ...]:
             pieces.append(_Piece(a, b, still=True))
         last = b
     pieces = _joined(coarse, pieces)
-    kinds = _kinds(coarse, pieces)
-    pieces, kinds = _merged(pieces, kinds)
     out: list[Phrase] = []
-    for piece, kind in zip(pieces, kinds, strict=True):
+    for piece, kind in _merged(pieces, _kinds(coarse, pieces)):
         start, end = piece.start * step, moments.count if piece.end == n else piece.end * step
-        out.append(Phrase(start, end, kind, piece.still, piece.recurs))
+        out.append(Phrase(start, end, kind.number, piece.still, piece.recurs, kind.mirrored))
     return tuple(out)
 
 
@@ -551,65 +551,108 @@ def _joined(coarse: Moments, pieces: list[_Piece]) -> list[_Piece]:
     return out
 
 
-def _merged(pieces: list[_Piece], kinds: list[int]) -> tuple[list[_Piece], list[int]]:
+@dataclass(frozen=True)
+class _Kind:
+    number: int
+    mirrored: bool
+
+
+def _merged(pieces: list[_Piece], kinds: list[_Kind]) -> list[tuple[_Piece, _Kind]]:
     """Neighbours of one kind are one phrase."""
-    out: list[_Piece] = []
-    numbers: list[int] = []
+    out: list[tuple[_Piece, _Kind]] = []
     for piece, kind in zip(pieces, kinds, strict=True):
-        if numbers and numbers[-1] == kind:
-            before = out[-1]
-            out[-1] = _Piece(before.start, piece.end, before.still and piece.still, recurs=not piece.still)
+        if out and out[-1][1].number == kind.number:
+            before = out[-1][0]
+            joined = _Piece(before.start, piece.end, before.still and piece.still, recurs=not piece.still)
+            out[-1] = joined, out[-1][1]
         else:
-            out.append(piece)
-            numbers.append(kind)
-    return out, numbers
+            out.append((piece, kind))
+    return out
 
 
-def _kinds(coarse: Moments, pieces: list[_Piece]) -> list[int]:
-    """Numbers of kinds: pieces whose stretches are found in one another, the same or mirrored, have the same."""
-    count = len(pieces)
-    apart = np.ones((count, count))
-    # the more phrases there are, the less of each is looked for: time grows with the recording, not with its square
+def _kinds(coarse: Moments, pieces: list[_Piece]) -> list[_Kind]:
+    """Kinds of pieces: those whose stretches are found in one another, the same or mirrored, have the same."""
+    apart = kinds_apart(coarse, pieces, range(len(pieces)))
+    numbers = clusters(apart[0], KIN, "average")
+    firsts = np.unique(numbers, return_index=True)[1][numbers]
+    return [
+        _Kind(number, k != first and mirror_image(*apart[1:, first, k].tolist()))
+        for k, (number, first) in enumerate(zip(numbers.tolist(), firsts.tolist(), strict=True))
+    ]
+
+
+def mirror_image(same: float, mirrored: float) -> bool:
+    """Whether two phrases are alike by the mirror only, by what is left over of each in the other under D and under D*."""
+    return same > KIN and mirrored < same
+
+
+def _postures(coarse: Moments, middles: NDArray[np.intp]) -> Array:
+    """The same posture held, or its mirror image: 0 where it is, 2 where it is not; under either, D and D*, shape (3, n, n)."""
+    straight, image = coarse.thinned(middles)
+    measured = np.stack([np.minimum(straight, image), straight, image]).astype(np.float64)
+    return np.where(chord(measured) <= 2.0 * _sway(coarse), 0.0, 2.0)
+
+
+def _of_either(left: Array) -> Array:
+    """Mean over stretches of `_left_over`: under the nearer relation, under D, under D*; shape (3, pieces)."""
+    return np.stack([left.min(axis=0).mean(axis=0), *left.mean(axis=1)])
+
+
+def kinds_apart(coarse: Moments, phrases: Sequence[Phrase | _Piece], groups: Sequence[int]) -> Array:
+    """How far apart kinds of phrases are: what is left over when the longest of each is looked for in all of the other.
+
+    Under the nearer of D and D*, under D, under D*; 0 to 1 (2 for a rest and what is none), shape (3, kinds, kinds).
+
+    Parameters
+    ----------
+    coarse : moments, about `RATE` a second, of one recording or several put one after the other.
+    phrases : that tile them, in order.
+    groups : the kind of each; the kinds are counted from 0.
+    """
+    count = max(groups) + 1
+    # the more there are, the less of each is looked for: time grows with the recording, not with its square
     samples = int(np.clip(_SEARCHES // count, 2, _SAMPLES))
-    starts = np.array([p.start for p in pieces])
-    for a, piece in enumerate(pieces):
-        if not piece.still:
-            apart[a] = _found(coarse, piece, starts, samples)
-    both = np.maximum(apart, apart.T)
-    rests = [k for k, p in enumerate(pieces) if p.still]
-    both[rests] = both[:, rests] = 2.0
-    middles = np.array([(pieces[k].start + pieces[k].end) // 2 for k in rests], dtype=np.intp)
-    if rests:
-        # the same posture held, or its mirror image
-        held = np.minimum(*coarse.thinned(middles))
-        both[np.ix_(rests, rests)] = np.where(chord(held.astype(np.float64)) <= 2.0 * _sway(coarse), 0.0, 2.0)
-    if count == 1:
-        return [0]
-    return [int(k) for k in clusters(both, _KIN, "average")]
+    starts = np.array([p.start for p in phrases])
+    order = np.argsort(groups, kind="stable")
+    edges = np.searchsorted(np.asarray(groups)[order], np.arange(count))
+    longest = [max((phrases[k] for k in part), key=lambda p: p.end - p.start) for part in np.split(order, edges[1:])]
+    apart = np.ones((3, count, count))
+    for k, phrase in enumerate(longest):
+        if not phrase.still:
+            left = _left_over(coarse, phrase.start, phrase.end, starts, samples)
+            apart[:, k] = _of_either(np.minimum.reduceat(left[:, :, order], edges, axis=2))
+    apart = np.maximum(apart, apart.transpose(0, 2, 1))
+    rests = np.array([k for k, p in enumerate(longest) if p.still], dtype=np.intp)
+    apart[:, rests] = apart[:, :, rests] = 2.0
+    if len(rests):
+        middles = np.array([(longest[k].start + longest[k].end) // 2 for k in rests], dtype=np.intp)
+        apart[:, rests[:, None], rests] = _postures(coarse, middles)
+    return apart
 
 
-def _found(coarse: Moments, piece: _Piece, starts: NDArray[np.intp], samples: int = _SAMPLES) -> Array:
-    """How much is left over when stretches of a piece are looked for in each of the pieces, mean, shape (pieces,)."""
+def _left_over(coarse: Moments, start: int, end: int, starts: NDArray[np.intp], samples: int) -> Array:
+    """What is left over of each stretch of a phrase where it is best found in each of the phrases that begin at ``starts``.
+
+    Under D and under D*, 0 to 1, shape (2, stretches, pieces). What does not move is found nowhere.
+    """
     n = coarse.count
-    half = max(2, min(round(SCALES_S[1] * coarse.fps), (piece.end - piece.start - 1) // 2))
-    # of a long piece the middle stands for it
-    spare = max(0, (piece.end - piece.start - round(_SEEN_S * samples / _SAMPLES * coarse.fps)) // 2)
-    first, last = max(0, piece.start + spare), min(n, piece.end - spare)
+    half = max(2, min(round(SCALES_S[1] * coarse.fps), (end - start - 1) // 2))
+    # of a long phrase the middle stands for it
+    spare = max(0, (end - start - round(_SEEN_S * samples / _SAMPLES * coarse.fps)) // 2)
+    first, last = max(0, start + spare), min(n, end - spare)
+    nowhere = np.ones((2, 1, len(starts)))
     if last - first < 2 * half + 1:
-        return np.ones(len(starts))
+        return nowhere
     centres = np.unique(np.linspace(half, last - first - 1 - half, samples).round().astype(np.intp))
     rows = centres[:, None] + np.arange(-half, half + 1)
     own = coarse.tile(slice(first, last), slice(first, last))[0]
     spans = _RANGE * np.array([float(own[np.ix_(r, r)].mean()) for r in rows])
     moving = spans > 0.5 * STILL**2 + coarse.noise
     if not moving.any():
-        return np.ones(len(starts))
-    least = np.full((int(moving.sum()), len(starts)), np.inf)
-    for tile in coarse.tile(slice(first, last), slice(0, n)):
-        np.minimum(least, np.minimum.reduceat(_row_paths(tile, rows[moving]), starts, axis=1), out=least)
-    share = np.clip((least - coarse.noise) / spans[moving, None], 0.0, 1.0)
-    mean: Array = share.mean(axis=0)
-    return mean
+        return nowhere
+    tiles = coarse.tile(slice(first, last), slice(0, n))
+    least = np.stack([np.minimum.reduceat(_row_paths(tile, rows[moving]), starts, axis=1) for tile in tiles])
+    return np.clip((least - coarse.noise) / spans[moving, None], 0.0, 1.0)
 
 
 def _row_paths(tile: Floats, rows: NDArray[np.intp]) -> Floats:

@@ -43,6 +43,10 @@ class JudgedPhrase:
     """The same number for phrases of the same kind of movement, in order of appearance."""
     verdict: Verdict | None
     """None where the phrase could not be judged at all."""
+    still: bool = False
+    """A rest."""
+    mirrored: bool = False
+    """It is like the first phrase of its kind as that is seen in a mirror, and not as it is."""
     name: str | None = None
     """Given by a person (`kinesics.grammar.edits`)."""
 
@@ -160,7 +164,8 @@ def _judge(read: Moments, progress: Progress = silent) -> tuple[Verdict, list[Ju
         progress(0.6 + 0.4 * number / len(found), "classes of the phrases")
         all_of_it = (phrase.start, phrase.end) == (0, read.count)
         verdict = overall if all_of_it else classes.classify(read, phrase.start, phrase.end)
-        judged.append(JudgedPhrase(read.frame_of(phrase.start), read.frame_of(phrase.end), phrase.kind, verdict))
+        start, end = read.frame_of(phrase.start), read.frame_of(phrase.end)
+        judged.append(JudgedPhrase(start, end, phrase.kind, verdict, phrase.still, phrase.mirrored))
     return overall, judged
 
 
@@ -192,18 +197,26 @@ def turned_round(
     overall: Verdict | None, judged: Sequence[JudgedPhrase], frames: int
 ) -> tuple[Verdict | None, list[JudgedPhrase]]:
     """Class and phrases of a recording that was read from its other end; kinds are numbered in order of appearance again."""
-    kinds: dict[int, int] = {}
     phrases_turned = [
         dataclasses.replace(
             p,
             start=frames - p.end,
             end=frames - p.start,
-            kind=kinds.setdefault(p.kind, len(kinds)),
             verdict=None if p.verdict is None else direction.reversed_verdict(p.verdict, frames),
         )
         for p in reversed(judged)
     ]
-    return None if overall is None else direction.reversed_verdict(overall, frames), phrases_turned
+    return None if overall is None else direction.reversed_verdict(overall, frames), in_order_of_kinds(phrases_turned)
+
+
+def in_order_of_kinds(judged: Sequence[JudgedPhrase]) -> list[JudgedPhrase]:
+    """Phrases whose kinds are numbered in order of appearance, and mirrored against the first one of their kind."""
+    firsts: dict[int, tuple[int, bool]] = {}
+    out = []
+    for phrase in judged:
+        kind, mirrored = firsts.setdefault(phrase.kind, (len(firsts), phrase.mirrored))
+        out.append(dataclasses.replace(phrase, kind=kind, mirrored=phrase.mirrored != mirrored))
+    return out
 
 
 def _edited_phrases(read: Moments, judged: Sequence[JudgedPhrase], edits: Edits, source: int) -> list[JudgedPhrase]:
@@ -213,9 +226,10 @@ def _edited_phrases(read: Moments, judged: Sequence[JudgedPhrase], edits: Edits,
     for phrase in edits.of_source(source).apply_to_phrases(Phrase(source, p.start, p.end) for p in judged):
         same = known.get((phrase.start, phrase.end))
         if same is None:
-            kind = next(p.kind for p in judged if p.start <= phrase.start < p.end)
+            part = next(p for p in judged if p.start <= phrase.start < p.end)
             start, end = read.moment_of(phrase.start), read.moment_of(phrase.end)
             verdict = classes.classify(read, start, end) if end - start >= LEAST_MOMENTS else None
-            same = JudgedPhrase(phrase.start, phrase.end, kind, verdict)
+            still = part.still and phrase.end <= part.end
+            same = JudgedPhrase(phrase.start, phrase.end, part.kind, verdict, still, part.mirrored)
         out.append(dataclasses.replace(same, name=phrase.name))
     return out

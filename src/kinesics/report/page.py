@@ -204,7 +204,7 @@ def _phrases(analysis: Analysis, pictures: Pictures) -> list[str]:
             *([names[p.source]] if several else []),
             f"{p.start_s:.2f}",
             f"{p.end_s:.2f}",
-            "" if p.kind is None else str(p.kind + 1),
+            words.kind(p),
             (f"{p.name}: " if p.name else "") + words.short_class(p),
             _number(p.period_s),
             _number(p.repeats, places=1),
@@ -222,10 +222,11 @@ def _phrases(analysis: Analysis, pictures: Pictures) -> list[str]:
             for k, svg in pictures.phrases
         ),
         "<p>A phrase is a stretch of one kind of movement: what recurs in it does not recur across its borders. Phrases of one "
+        + ("kind have one number and one colour" + (", in whichever recording they are." if several else "."))
         + (
-            "recording that are of one kind have one number and one colour; each recording counts its own kinds."
-            if several
-            else "kind have one number and one colour."
+            " A star: as the first of its kind is seen in a mirror."
+            if any(p.mirrored for p in analysis.phrases)
+            else ""
         )
         + (" Smoothness is negative: the nearer to 0, the smoother." if smooth else "")
         + "</p>",

@@ -298,7 +298,7 @@ def _phrases(analysis: Analysis, source: int) -> Figure:
         fps = analysis.sources[source].fps
         begins = [c.start / fps for c in analysis.cycles if c.phrase == number]
         ax.vlines(begins, 0.0, 0.28, color=INK, linewidth=0.7)
-        said = "rest" if still else phrase.group or str((phrase.kind or 0) + 1)
+        said = "rest" if still else phrase.group or words.kind(phrase)
         # some 5 pixels a letter
         if (phrase.end_s - phrase.start_s) / analysis.sources[source].duration_s * 860 > 7 * len(said):
             middle = 0.5 * (phrase.start_s + phrase.end_s)

@@ -153,6 +153,11 @@ def short_class(judged: Overall | Phrase) -> str:
     return f"{words} ({judged.group})" if judged.group else words
 
 
+def kind(phrase: Phrase) -> str:
+    """The number of a phrase's kind, from 1; with a star where it is the mirror image of the first one of its kind."""
+    return "" if phrase.kind is None else str(phrase.kind + 1) + "*" * phrase.mirrored
+
+
 def verdict(judged: Overall | Phrase) -> str:
     """What a movement is, in a line: class, period, how many cycles, how sure."""
     if judged.class_ is None:
