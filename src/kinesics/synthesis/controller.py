@@ -21,6 +21,7 @@ if the floor had been turned under the feet; standing, nothing is turned. ``bend
 
 from __future__ import annotations
 
+import cmath
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
@@ -414,7 +415,7 @@ class Controller:
         for path in intention.paths:
             if self._goes_on[before] != path:
                 since_jump = 0.0
-            place += np.exp(1j * heading) * self._displacement[path]
+            place += cmath.exp(1j * heading) * self._displacement[path]
             heading += self._turn[path]
             travelled += self._walked[path]
             lasted += self._duration[path]
@@ -472,11 +473,11 @@ class Controller:
         """How the end of a chain of paths moves if it is bent."""
         swerve, heading, travelled = 0j, 0.0, 0.0
         for path in paths:
-            step = np.exp(1j * heading) * self._displacement[path]
+            step = cmath.exp(1j * heading) * self._displacement[path]
             swerve += 1j * (travelled + self._walked[path] / 2.0) * step
             heading += self._turn[path]
             travelled += self._walked[path]
-        return complex(swerve)
+        return swerve
 
     def _after(self, composite: _Composite) -> _Composite | None:
         """What is left of a composite when its first path has been played."""
@@ -560,7 +561,10 @@ def _drawn(probabilities: Array, rng: np.random.Generator) -> int:
 
 def _beside(head: NDArray[Any], then: NDArray[Any], rows: int) -> NDArray[Any]:
     """The points of one trail before those of many."""
-    return np.concatenate([np.broadcast_to(head, (rows, head.shape[1])), then.astype(head.dtype)], axis=1)
+    points = head.shape[1]
+    out = np.empty((rows, points + then.shape[1]), dtype=head.dtype)
+    out[:, :points], out[:, points:] = head, then
+    return out
 
 
 class _Stop:
@@ -585,17 +589,22 @@ class _Stop:
 
     def next(self, path: int, rng: np.random.Generator) -> int:
         """The successor from which a stance is reached soonest; within the stance any that stays in it."""
-        may = self._network.indices[self._network.indptr[path] : self._network.indptr[path + 1]]
         if self.still[path]:
+            may = self._network.successors(path)
             may = may[self.still[may]]
             return int(may[rng.integers(len(may))])
+        return self._soonest(path)
+
+    def _soonest(self, path: int) -> int:
+        may = self._network.successors(path)
         return int(may[np.argmin(self._seconds[may])])
 
     def ends_at(self, now: Situation, goal: ToPlaces) -> bool:
         """Whether stopping now ends at the goal."""
-        path = self.next(now.path, np.random.default_rng(0))
-        rest = now.place + np.exp(1j * now.heading) * self._rest[path]
-        return bool(abs(rest - goal.goal) <= goal.radius)
+        rest = now.place
+        if not self.still[now.path]:
+            rest += cmath.exp(1j * now.heading) * complex(self._rest[self._soonest(now.path)])
+        return abs(rest - goal.goal) <= goal.radius
 
 
 def perform_paths(

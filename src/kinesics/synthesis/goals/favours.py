@@ -130,16 +130,22 @@ class _Thrifty(Pursuit):
         self._network = network
         self._scale = weight / (float(np.var(prospects.cost)) or 1.0)
         self._miss = self._scale * np.asarray(prospects.cost, dtype=np.float64) ** 2
+        self._costs: dict[tuple[int, int], float] = {}
 
     def miss(self, rows: slice, now: Situation, bend: float) -> Array:
         return np.asarray(self._miss[rows], dtype=np.float64)
 
     def chain(self, paths: Sequence[int], now: Situation) -> float:
-        total = 0.0
-        for before, after in itertools.pairwise((now.path, *paths)):
-            low, high = self._network.indptr[before], self._network.indptr[before + 1]
-            total += float(self._network.cost[low:high][self._network.indices[low:high] == after].min())
+        total = sum(self._cost(before, after) for before, after in itertools.pairwise((now.path, *paths)))
         return self._scale * total**2
+
+    def _cost(self, before: int, after: int) -> float:
+        """Of one transition; remembered, for the same chains are asked for again and again."""
+        if (before, after) not in self._costs:
+            low, high = self._network.indptr[before], self._network.indptr[before + 1]
+            cost = self._network.cost[low:high][self._network.indices[low:high] == after]
+            self._costs[before, after] = float(cost.min())
+        return self._costs[before, after]
 
 
 class OwnFeature:

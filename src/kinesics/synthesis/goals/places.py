@@ -37,6 +37,7 @@ LATE: Final = 0.5
 """How much a metre that could have been walked meanwhile weighs beside a metre from the target, where it is met."""
 FACING: Final = 1.5
 """How much turning towards a target weighs, beside the metres walked while turning so far."""
+_FAN: Final = np.linspace(-1.0, 1.0, BENDS)
 _NOWHERE: Final = np.full((1, 1), np.inf, dtype=np.float32)
 
 
@@ -213,7 +214,7 @@ class ToPlaces(_Seeking):
         """See `TrailPursuit`."""
         if not self._pace:
             return super().bend(trail, now, most)
-        bends = np.linspace(-most, most, BENDS)
+        bends = most * _FAN
         met, onward, at_each = self._prices(trail, now, most, bends)
         k, b = int(np.argmin(met[0])), int(np.argmin(onward[:, 0]))
         return float(at_each[0, k] if met[0, k] <= onward[b, 0] else bends[b])
