@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import signal
 from collections.abc import Iterator
 from pathlib import Path
 
 import jsonschema
+import numpy as np
 import pytest
 
 import kinesics as kx
@@ -63,13 +65,18 @@ def test_it_leaves_the_movement_its_provenance_and_a_picture(
     assert (tmp_path / "new.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_the_same_call_leaves_the_same_bytes(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
-    """Nothing depends on the day or the folder."""
+@pytest.mark.parametrize("suffix", [".bvh", ".amc", ".glb", ".npz"])
+def test_the_same_call_leaves_the_same_bytes(kinesics: Kinesics, walk: Path, tmp_path: Path, suffix: str) -> None:
+    """Nothing depends on the day, the folder, or what was made before; another seed makes another movement."""
     made = []
-    for name in ("a", "b"):
-        assert kinesics("perform", walk, "--out", f"{name}.bvh", "--seconds", "2", "--seed", "3").code == 0
-        made.append([(tmp_path / f"{name}{end}").read_bytes() for end in (".bvh", ".provenance.json", ".png")])
+    for folder, seed in (("a", 3), ("b", 3), ("c", 4)):
+        out = tmp_path / folder
+        out.mkdir()
+        assert kinesics("perform", walk, "--out", out / f"new{suffix}", "--seconds", "2", "--seed", seed).code == 0
+        made.append({file.name: file.read_bytes() for file in sorted(out.iterdir())})
+    assert len(made[0]) == (4 if suffix == ".amc" else 3)
     assert made[0] == made[1]
+    assert made[0][f"new{suffix}"] != made[2][f"new{suffix}"]
 
 
 def test_json_is_alone_on_stdout_and_needs_no_out(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
@@ -140,6 +147,8 @@ def test_a_bad_route_is_refused_with_its_line(
         (["--out", "new.bvh", "--seconds", "0"], "seconds"),
         (["--out", "new.bvh", "--beta", "-1"], "beta"),
         (["--out", "new.bvh", "--fps", "0"], "fps"),
+        (["--out", "new.bvh", "--fps", "1"], "Expected 8 frames a second or more"),
+        (["--out", "new.bvh", "--edits", "none.toml"], "none.toml"),
         (["--out", "new.bvh", "--skeleton-of", "none.bvh"], "none.bvh"),
         (["--out", "new.bvh", "--threshold", "1e-12"], "larger `threshold`"),
     ],
@@ -156,6 +165,98 @@ def test_what_cannot_be_is_one_message(
     assert got.err.count("kinesics: ") == 1
     assert "Traceback" not in got.err
     assert files(tmp_path) == set()
+
+
+@pytest.mark.parametrize(
+    ("frames", "says"),
+    [(1, "short is a single pose"), (2, "short lasts 0.067 s, 2 frames"), (12, "short lasts 0.4 s, 12 frames")],
+)
+def test_too_few_frames_are_told(kinesics: Kinesics, walk: Path, tmp_path: Path, frames: int, says: str) -> None:
+    """How many they are and how many it takes, and not what follows from it inside."""
+    kx.write(kx.read(walk).resample(30.0)[:frames], tmp_path / "short.bvh")
+    got = kinesics("perform", "short.bvh", "--out", "new.bvh")
+    assert got.code == 2
+    assert says in got.err
+    assert "threshold" not in got.err
+    assert files(tmp_path) == {"short.bvh"}
+
+
+@pytest.mark.parametrize("suffix", ["bvh", "amc"])
+@pytest.mark.parametrize("how", ["bom", "crlf", "utf-16"])
+def test_files_of_other_editors_are_performed_alike(
+    kinesics: Kinesics, walk: Path, tmp_path: Path, suffix: str, how: str
+) -> None:
+    """With a byte order mark, with other ends of lines, in UTF-16: the movement is the same."""
+    kx.write(kx.read(walk), tmp_path / f"walk.{suffix}")
+    assert kinesics("perform", f"walk.{suffix}", "--out", "new.npz", "--seconds", "2").code == 0
+    for file in [tmp_path / f"walk.{s}" for s in ((suffix, "asf") if suffix == "amc" else (suffix,))]:
+        data = file.read_bytes()
+        file.write_bytes(
+            b"\xef\xbb\xbf" + data
+            if how == "bom"
+            else data.replace(b"\n", b"\r\n")
+            if how == "crlf"
+            else data.decode().encode("utf-16")
+        )
+    got = kinesics("perform", f"walk.{suffix}", "--out", "again.npz", "--seconds", "2")
+    assert got.code == 0, got.err
+    new, again = kx.read(tmp_path / "new.npz"), kx.read(tmp_path / "again.npz")
+    assert (new.rotations == again.rotations).all()
+    assert (new.root_positions == again.root_positions).all()
+
+
+def test_what_it_is_performed_on_and_from_is_said(kinesics: Kinesics, walk: Path, circle: Path, tmp_path: Path) -> None:
+    """Whose skeleton, where its root lies, what a word was taken for, what was given twice."""
+    tall = kx.performer.walk(seconds=3, fps=30, body=1.9).motion
+    stand = tall.skeleton.replace(
+        joint_names=("Stand", *tall.skeleton.joint_names),
+        parents=(-1, *(p + 1 for p in tall.skeleton.parents)),
+        offsets=np.concatenate([np.zeros((1, 3)), [[0.0, 1.0, 0.0]], tall.skeleton.offsets[1:]]),
+        end_sites=tuple(dataclasses.replace(s, parent=s.parent + 1) for s in tall.skeleton.end_sites),
+        freedoms=(),
+        anatomy=None,
+    )
+    still = np.zeros((tall.frame_count, 1, 4))
+    still[..., 0] = 1.0
+    rig = kx.Motion(stand, np.concatenate([still, tall.rotations], axis=1), tall.root_positions - [0.0, 1.0, 0.0], 30.0)
+    kx.write(rig, tmp_path / "rig.bvh")
+    how = ("--skeleton-of", "rig.bvh", "--favour", "circ", "--seconds", "2", "--out", "new.bvh")
+    got = kinesics("perform", walk, circle, walk, *how)
+    assert got.code == 0, got.err
+    assert "performed on the skeleton of rig" in got.out
+    assert "performed with the root joint, Stand, in the pelvis: its place is that of Hips" in " ".join(got.out.split())
+    assert "favoured as 'circ': circle" in got.out
+    assert "walk.bvh was given more than once: used once" in got.out
+    new = kx.read(tmp_path / "new.bvh")
+    assert set(new.skeleton.joint_names) == set(stand.joint_names)
+    facts = json.loads((tmp_path / "new.provenance.json").read_text(encoding="utf-8"))
+    assert [s["name"] for s in facts["sources"]] == ["walk.bvh", "circle.bvh"]
+
+
+@pytest.mark.parametrize(
+    ("target", "says"),
+    [("0,2", "target 2 m ahead: came"), ("0,-1", "target 1 m behind"), ("-1,2", "target 1 m to the right, 2 m ahead")],
+)
+def test_a_target_is_told_as_seen_by_the_performer(
+    kinesics: Kinesics, walk: Path, circle: Path, target: str, says: str, tmp_path: Path
+) -> None:
+    """Left or right, ahead or behind, and no "0 m to the left"."""
+    got = kinesics("perform", walk, circle, "--out", "new.npz", f"--target={target}", "--seconds", "3")
+    assert says in got.out
+
+
+def test_a_persons_names_are_understood(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
+    """From the side file of the first recording, which is said, or from the file given."""
+    (tmp_path / "a.bvh").write_bytes(walk.read_bytes())
+    (tmp_path / "a.bvh.edits.toml").write_text('[states]\nrename = { A = "guard" }\n')
+    (tmp_path / "other.toml").write_text('[states]\nrename = { A = "stance" }\n')
+    got = kinesics("perform", "a.bvh", "--from", "guard", "--to", "guard*", "--out", "new.bvh")
+    assert got.code == 0, got.err
+    assert "guard to guard*" in got.out
+    assert "Edits: a.bvh.edits.toml" in got.err
+    got = kinesics("perform", "a.bvh", "--from", "guard", "--to", "guard*", "--json", "--edits", "other.toml")
+    assert got.code == 2
+    assert "There are: stance, stance*" in got.err
 
 
 def test_without_out_or_json_it_asks_where_to(kinesics: Kinesics, walk: Path) -> None:

@@ -13,7 +13,6 @@ from kinesics.cli.recording import Reading
 
 if TYPE_CHECKING:
     from kinesics.analysis import Analysis
-    from kinesics.grammar.edits import Edits
 
 _MOST_PHRASES = 40
 _LONGEST_SENTENCE = 1200
@@ -92,7 +91,7 @@ def analyze(
     from kinesics import analysis, report
 
     reading = Reading(skeleton, map_, unit, up, fps)
-    known_better = _edits(edits or _beside(files[0]))
+    known_better = recording.read_edits(edits or recording.edits_beside(files[0]))
     report.check_palette(palette)
     folder = out or (None if json else _default_folder(files))
     with terminal.Bar("Analysing") as bar:
@@ -118,32 +117,6 @@ def _default_folder(files: Sequence[Path]) -> Path:
     """In the current folder, named after the first recording and how many more there are."""
     more = f"-and-{len(files) - 1}-more" if len(files) > 1 else ""
     return Path(f"{files[0].name}{more}-kinesics")
-
-
-def _beside(file: Path) -> Path | None:
-    """The side file of a recording, where it is there; that it is honoured is said."""
-    side = file.with_name(f"{file.name}.edits.toml")
-    if not side.is_file():
-        return None
-    terminal.remark(f"Edits: {side.name}")
-    return side
-
-
-def _edits(file: Path | None) -> Edits | None:
-    from kinesics import formats
-    from kinesics.errors import FileError, InputError
-    from kinesics.grammar import edits
-
-    if file is None:
-        return None
-    try:
-        return edits.parse(formats.load(file).decode("utf-8-sig"))
-    except UnicodeDecodeError:
-        raise FileError(file, "is not UTF-8 text.") from None
-    except FileError:
-        raise
-    except InputError as error:
-        raise FileError(file, str(error)) from None
 
 
 def summarize(result: Analysis) -> None:

@@ -84,7 +84,8 @@ def perform(
             metavar="WORD",
             rich_help_panel=_PANEL,
             show_default=False,
-            help="Much of this: a class, a state, a path, a recording. Beside a goal a soft pull only.",
+            help="Much of this: a recording or a word in the names of recordings (walk); a class, state, path or phrase as "
+            "analyze writes them (A*). Beside a goal a soft pull only.",
         ),
     ] = None,
     seconds: Annotated[
@@ -122,7 +123,13 @@ def perform(
         ),
     ] = 5.0,
     backwards: Annotated[
-        bool, typer.Option("--backwards", rich_help_panel=_PANEL, help="Recordings may be played backwards, too.")
+        bool,
+        typer.Option(
+            "--backwards",
+            rich_help_panel=_PANEL,
+            help="Recordings may be played backwards, too, wherever pose and velocity fit: good for ways that can be taken both "
+            "ways; a jump or fall taken back looks wrong.",
+        ),
     ] = False,
     no_mirror: Annotated[
         bool, typer.Option("--no-mirror", rich_help_panel=_PANEL, help="No mirror images of the recordings.")
@@ -144,7 +151,7 @@ def perform(
             metavar="FILE",
             rich_help_panel=_PANEL,
             show_default=False,
-            help="Perform on the body of this recording; of the first unless given.",
+            help="Perform on the body of this recording (its movement is not used); of the first unless given.",
         ),
     ] = None,
     fps: Annotated[
@@ -155,6 +162,16 @@ def perform(
             rich_help_panel=_PANEL,
             show_default=False,
             help="Frames a second of the new movement; of the first unless given.",
+        ),
+    ] = None,
+    edits: Annotated[
+        Path | None,
+        typer.Option(
+            "--edits",
+            metavar="TOML",
+            rich_help_panel=_PANEL,
+            show_default=False,
+            help="Your names for --from, --to and --favour; FILE.edits.toml where that is there.",
         ),
     ] = None,
     overwrite: recording.Overwrite = False,
@@ -183,6 +200,8 @@ def perform(
         performances.check_output(out, overwrite=overwrite)
     place = None if target is None else _target(target)
     line = None if route is None else _route(route)
+    named = from_ is not None or favour is not None
+    known_better = recording.read_edits(edits or (recording.edits_beside(files[0]) if named else None))
     reading = Reading(skeleton, map_, unit, up)
     saved = None
     with terminal.Bar("Performing") as bar:
@@ -190,7 +209,7 @@ def perform(
         for number, file in enumerate(files):
             bar(0.15 * number / len(files), f"reading {file.name}")
             motions.append(reading.read(file))
-        body = None if skeleton_of is None else reading.read(skeleton_of).skeleton
+        body = None if skeleton_of is None else reading.read(skeleton_of)
         piece = performance(
             motions,
             target=place,
@@ -209,6 +228,7 @@ def perform(
             fps=fps,
             threshold=threshold,
             mapping=reading.mapping(),
+            edits=known_better,
             progress=bar.part(0.15, 0.8),
         )
         if out is not None:
@@ -278,11 +298,9 @@ def _summarize(piece: Piece) -> None:
     )
     target, away = piece.parameters["target"], piece.nearest
     if target is not None and away is not None:
-        straight = math.hypot(*target)
-        side, ahead = "left" if target[0] >= 0.0 else "right", "ahead" if target[1] >= 0.0 else "behind"
         console.print(
-            f"  target {abs(target[0]):g} m to the {side}, {abs(target[1]):g} m {ahead}: came within {away:.2f} m; "
-            f"went {piece.length:.1f} m, {straight:.1f} m in a straight line"
+            f"  target {_where(*target)}: came within {away:.2f} m; went {piece.length:.1f} m, {math.hypot(*target):.1f} m in a "
+            "straight line"
         )
     else:
         console.print(f"  went {piece.length:.1f} m over the floor")
@@ -315,7 +333,7 @@ def _summarize(piece: Piece) -> None:
             f"{' or mirrored' if piece.parameters['mirrored'] else ''}[/dim]"
         )
     for line in motion.assumptions:
-        if line.startswith("performed "):
+        if line.startswith(("performed ", "favoured ")) or ": used once" in line:
             console.print(f"  [dim]{terminal.escape(line)}[/dim]")
     other = [facts.name for facts in piece.sources if facts.fps != motion.fps]
     if other:
@@ -324,6 +342,13 @@ def _summarize(piece: Piece) -> None:
         )
     for line in motion.warnings:
         console.print(f"  [yellow]doubtful:[/yellow] {terminal.escape(line)}")
+
+
+def _where(x: float, z: float) -> str:
+    """A place on the floor, as seen by one who starts."""
+    told = [f"{abs(x):g} m to the {'left' if x > 0.0 else 'right'}"] if x else []
+    told += [f"{abs(z):g} m {'ahead' if z > 0.0 else 'behind'}"] if z else []
+    return ", ".join(told) or "where one starts"
 
 
 def _say_where(saved: Saved, say: object) -> None:

@@ -9,8 +9,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from kinesics.cli import terminal
+
 if TYPE_CHECKING:
     from kinesics.body.motion import Motion
+    from kinesics.grammar.edits import Edits
 
 _PANEL = "How to read the file"
 
@@ -90,3 +93,36 @@ class Reading:
         return formats.read(
             file, skeleton=self.skeleton, unit=self.unit, up=self.up, fps=self.fps, mapping=self.mapping()
         )
+
+
+def edits_beside(file: Path) -> Path | None:
+    """The side file of a recording, where it is there; that it is honoured is said."""
+    side = file.with_name(f"{file.name}.edits.toml")
+    if not side.is_file():
+        return None
+    terminal.remark(f"Edits: {side.name}")
+    return side
+
+
+def read_edits(file: Path | None) -> Edits | None:
+    """What a person knows better, of a side file.
+
+    Raises
+    ------
+    FileError
+        If it is missing, no text, or says what cannot be.
+    """
+    from kinesics import formats
+    from kinesics.errors import FileError, InputError
+    from kinesics.grammar import edits
+
+    if file is None:
+        return None
+    try:
+        return edits.parse(formats.load(file).decode("utf-8-sig"))
+    except UnicodeDecodeError:
+        raise FileError(file, "is not UTF-8 text.") from None
+    except FileError:
+        raise
+    except InputError as error:
+        raise FileError(file, str(error)) from None
