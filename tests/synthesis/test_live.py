@@ -8,6 +8,7 @@ import pytest
 import kinesics as kx
 from kinesics.body.skeleton import Skeleton
 from kinesics.geometry import quaternion
+from kinesics.synthesis import blending, live
 from kinesics.synthesis.live import LiveRenderer
 from kinesics.synthesis.network import Network, network
 from kinesics.synthesis.repertoire import repertoire
@@ -39,18 +40,30 @@ def test_the_seam_is_that_of_the_whole(made: Network, rng: np.random.Generator) 
     """Offsets and velocities of all joints and the root, anywhere, also where a recording begins or ends."""
     own = made.repertoire
     stage = Stage.of(own)
-    live = LiveRenderer(made, [0])
+    renderer = LiveRenderer(made, [0])
     last = own.frame_count - 1
     ends = [own.frame_count * strand + frame for strand in range(4) for frame in (0, last)]
     drawn = rng.integers(own.moment_count, size=(60, 2)).tolist()
     for left, first in [*drawn, *zip(ends, reversed(ends), strict=True), *((e, 10) for e in ends)]:
         yaw, turn = rng.uniform(-3.0, 3.0, 2)
-        live._turn = yaw
+        renderer._turn = yaw
         at = (np.array([v]) for v in (left, yaw, first, turn))
         offsets, velocities = seams(own, stage.carrier, *at)
-        offset, velocity = live._seam(left, first, turn)
+        offset, velocity = renderer._seam(left, first, turn)
         assert np.abs(offset - offsets[0]).max() < 1e-7
         assert np.abs(velocity - velocities[0]).max() < 1e-5
+
+
+def test_offsets_of_one_frame_are_those_of_many(rng: np.random.Generator) -> None:
+    """Offsets and their sum, of one frame and of three, also of none, of half a turn and of q for −q."""
+    left, entered = quaternion.normalize(rng.normal(size=(2, 3, 31, 4)))
+    entered[:, :4] = left[:, :4] * np.array([1.0, -1.0, 1.0, -1.0])[:, None]
+    entered[:, 4] = quaternion.multiply(left[:, 4], [1e-12, 1.0, 0.0, 0.0])
+    offset = blending.rotation_offset(left, entered)
+    assert np.abs(live._offset(left, entered) - offset).max() < 1e-12
+    assert np.abs(live._offset(left[0], entered) - blending.rotation_offset(left[0], entered)).max() < 1e-12
+    assert not live._offset(left[:, :4], left[:, :4]).any()
+    assert np.abs(live._added(left[1], offset[1]) - blending.add_rotation(left[1], offset[1])).max() < 1e-14
 
 
 def test_a_body_is_carried_by_what_its_pelvis_hangs_on(made: Network) -> None:

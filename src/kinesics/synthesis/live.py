@@ -8,13 +8,13 @@ from __future__ import annotations
 import bisect
 import math
 from collections.abc import Iterable, Sequence
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinesics.errors import InputError
-from kinesics.geometry import single
+from kinesics.geometry import quaternion, single
 from kinesics.geometry.single import Quaternion, Vector
 from kinesics.synthesis import blending
 from kinesics.synthesis.network import Network
@@ -23,6 +23,12 @@ from kinesics.synthesis.stage import SPARED, Stage
 from kinesics.synthesis.treading import Treading
 
 Array = NDArray[np.float64]
+
+_UNITS: Final = np.eye(4)
+_MULTIPLIED: Final = quaternion.multiply(_UNITS[:, None], _UNITS).reshape(16, 4)
+"""What the product a·b is made of: the coefficients of each aᵢbⱼ, shape (16, 4)."""
+_UNDONE: Final = quaternion.multiply(quaternion.conjugate(_UNITS)[:, None], _UNITS).reshape(16, 4)
+"""The same of a⁻¹·b."""
 
 
 class LiveFrame(NamedTuple):
@@ -129,7 +135,7 @@ class LiveRenderer:
         self.heading = (-yaw if image else yaw) + self._turn
         if self._since < self._duration:
             added = blending.decay(self._offset, self._velocity, np.full(1, self._since), self._duration)
-            rotations = self._inside(blending.add_rotation(rotations, added[:-1]))
+            rotations = self._inside(_added(rotations, added[:-1]))
             x, y, z = added[-1].tolist()
             root = single.add(root, (x, y, z))
             self._since += 1.0 / repertoire.fps
@@ -197,7 +203,7 @@ class LiveRenderer:
         there = [b if both else there[1] for b, both in zip(there, reached, strict=True)]
         old, new = repertoire.rotations[image, here], repertoire.rotations[entered, there]
         offsets = np.empty((3, len(self._offset), 3))
-        offsets[:, :-1] = blending.rotation_offset(old, new)
+        offsets[:, :-1] = _offset(old, new)
         roots = repertoire.root_positions[image, here].tolist(), repertoire.root_positions[entered, there].tolist()
         for k, (before, after) in enumerate(zip(*roots, strict=True)):
             own, other = self._faced(old[k], self._turn), self._faced(new[k], turn)
@@ -223,13 +229,31 @@ class LiveRenderer:
     def _inside(self, rotations: Array) -> Array:
         """Joints of the body within their range, shape (joints, 4)."""
         stage = self.stage
-        vectors = blending.rotation_offset(stage.middle, rotations)
+        vectors = _offset(stage.middle, rotations)
         beyond = np.any((vectors < stage.low) | (vectors > stage.high), axis=-1)
         beyond[: stage.carrier + 1] = False
         if beyond.any():
             held = np.clip(vectors[beyond], stage.low[beyond], stage.high[beyond])
             rotations[beyond] = blending.add_rotation(stage.middle[beyond], held)
         return rotations
+
+
+def _offset(left: Array, entered: Array) -> Array:
+    """`kinesics.synthesis.blending.rotation_offset` of one frame or three: fewer steps, more memory for each rotation."""
+    q = (left[..., :, None] * entered[..., None, :]).reshape(*entered.shape[:-1], 16) @ _UNDONE
+    w, vector = q[..., 0], q[..., 1:]
+    sin_half = np.sqrt(np.einsum("...i,...i->...", vector, vector))
+    scale = 2.0 * np.arctan2(sin_half, np.abs(w)) / np.maximum(sin_half, 1e-150)
+    return np.asarray(np.copysign(scale, w)[..., None] * vector)
+
+
+def _added(q: Array, offset: Array) -> Array:
+    """The same of `kinesics.synthesis.blending.add_rotation`."""
+    angle = np.sqrt(np.einsum("...i,...i->...", offset, offset))
+    turn = np.empty_like(q)
+    turn[..., 0] = np.cos(0.5 * angle)
+    turn[..., 1:] = (np.sin(0.5 * angle) / np.maximum(angle, 1e-150))[..., None] * offset
+    return np.asarray((q[..., :, None] * turn[..., None, :]).reshape(*q.shape[:-1], 16) @ _MULTIPLIED)
 
 
 def _plain(rotation: Array) -> Quaternion:
