@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 import pytest
 
 import kinesics as kx
 from kinesics.body.skeleton import Skeleton
+from kinesics.errors import InputError
 from kinesics.geometry import quaternion
 from kinesics.synthesis import blending, live
+from kinesics.synthesis.controller import Controller, Step
+from kinesics.synthesis.goals import Target
 from kinesics.synthesis.live import LiveRenderer
 from kinesics.synthesis.network import Network, network
+from kinesics.synthesis.rendering import render
 from kinesics.synthesis.repertoire import repertoire
 from kinesics.synthesis.stage import Stage, seams
 
@@ -80,3 +86,45 @@ def test_the_body_faces_where_it_is_told_to(made: Network, heading: float) -> No
     body = kx.Motion(own.skeleton, np.stack([frame.rotations] * 2), np.stack([frame.root] * 2), own.fps)
     assert np.exp(1j * kx.poses(body).yaw[0]) == pytest.approx(np.exp(1j * heading), abs=1e-6)
     assert frame.root[[0, 2]] == pytest.approx([1.0, -2.0])
+
+
+def test_bent_ways_are_those_of_the_whole(made: Network, rng: np.random.Generator) -> None:
+    """Bent path by path, the body goes where it goes when all is performed at once."""
+    paths = [3]
+    while len(paths) < 40:
+        may = made.successors(paths[-1])
+        onward = may[made.first[may] == made.onward[paths[-1]]]
+        paths.append(int(rng.choice(onward if len(onward) and len(paths) % 8 else may)))
+    bend = rng.uniform(-0.2, 0.2, len(paths))
+    done = render(made, paths, start=(1.0, 2.0), heading=0.5, bend=bend, pinned=False)
+    chosen = ((path, float(angle)) for path, angle in zip(paths, bend, strict=True))
+    frames = list(LiveRenderer(made, chosen, start=(1.0, 2.0), heading=0.5, pinned=False))
+    # a transition is spread otherwise, and longer: frames far from any
+    near = np.convolve(done.provenance.transition, np.ones(31), mode="same") > 0.0
+    assert (~near).sum() > 20
+    for k in np.flatnonzero(~near):
+        assert frames[k].root == pytest.approx(done.motion.root_positions[k], abs=1e-9)
+        assert quaternion.angle(frames[k].rotations, done.motion.rotations[k]).max() < 1e-6
+    for wrong in ((3, np.nan), (3, 0.1, 0.2)):
+        with pytest.raises(InputError, match="pair"):
+            next(LiveRenderer(made, [wrong]))
+
+
+def test_comes_where_the_controller_goes(made: Network) -> None:
+    """Decision by decision, place and heading are those that the controller reckons with; its bends are over metres, ours over
+    frames."""
+    controller = Controller(made, Target((2.0, -1.5)), seed=1)
+    steps: list[Step] = []
+
+    def decided() -> Iterator[tuple[int, float]]:
+        while True:
+            assert renderer.place == pytest.approx([controller.now.place.imag, controller.now.place.real], abs=0.02)
+            assert np.exp(1j * renderer.heading) == pytest.approx(np.exp(1j * controller.now.heading), abs=1e-6)
+            steps.append(controller.step())
+            yield steps[-1].path, steps[-1].turned
+
+    renderer = LiveRenderer(made, decided())
+    for _ in range(300):
+        renderer.step()
+    assert len(steps) > 10
+    assert max(abs(step.turned) for step in steps) > 0.01

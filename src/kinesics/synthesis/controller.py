@@ -62,6 +62,8 @@ class Step(NamedTuple):
     """z + i·x at its first frame, metres."""
     heading: float
     """At its first frame, radians."""
+    turned: float
+    """Radians that the whole path is bent by: what `kinesics.synthesis.live` needs beside the path."""
 
 
 class Frame(NamedTuple):
@@ -503,7 +505,7 @@ class Controller:
         now = self.now
         if now.path >= 0 and self._goes_on[now.path] != path:
             now.since_jump = 0.0
-        step = Step(path, bend, now.place, now.heading)
+        step = Step(path, bend, now.place, now.heading, bend * self._walked[path])
         places, headings = self.way(step)
         times = now.time + np.arange(len(places)) / self._fps
         for pursuit in self._pursuits:

@@ -50,20 +50,22 @@ class LiveRenderer:
     Parameters
     ----------
     network : of the paths.
-    paths : numbers of paths, each a successor of the one before; the next is asked for as the one before has ended.
+    paths : numbers of paths, each a successor of the one before, or pairs of such a number and the radians that the path is
+        turned by besides, as ``bend`` of `render`; the next is asked for as the one before has ended.
     start, heading : see `render`.
     pinned : whether feet are kept in place.
 
     Raises
     ------
     InputError
-        If ``start`` or ``heading`` is not finite; on the way, if a path does not follow the one before.
+        If ``start`` or ``heading`` is not finite; on the way, if a path does not follow the one before or its bend is not
+        finite.
     """
 
     def __init__(
         self,
         network: Network,
-        paths: Iterable[int],
+        paths: Iterable[int | tuple[int, float]],
         *,
         start: ArrayLike = (0.0, 0.0),
         heading: float = 0.0,
@@ -95,6 +97,7 @@ class LiveRenderer:
         self._left = 0
         self._onwards = 1
         self._turn = 0.0
+        self._bend = 0.0
         self._offset = np.zeros((joints + 1, 3))
         self._velocity = np.zeros((joints + 1, 3))
         self._since = np.inf
@@ -129,8 +132,9 @@ class LiveRenderer:
         rotations[self.stage.carrier] = self._faced(rotations, self._turn)
         here, after = repertoire.root_positions[image, [frame, onward]].tolist()
         root = (float(self.place[0]), here[1], float(self.place[1]))
-        x, _, z = _turned(single.subtract(after, here), self._turn)
+        x, _, z = _turned(single.subtract(after, here), self._turn + 0.5 * self._bend)
         self.place += x, z
+        self._turn += self._bend
         yaw = float(repertoire.poses.yaw[onward])
         self.heading = (-yaw if image else yaw) + self._turn
         if self._since < self._duration:
@@ -153,8 +157,11 @@ class LiveRenderer:
             yaw = single.undo(above, single.multiply(yaw, above))
         return single.multiply(yaw, _plain(rotations[self.stage.carrier]))
 
-    def _begin(self, path: int) -> None:
+    def _begin(self, chosen: int | tuple[int, float]) -> None:
         network, repertoire = self.network, self.network.repertoire
+        if isinstance(chosen, tuple) and (len(chosen) != 2 or not math.isfinite(chosen[1])):
+            raise InputError(f"Expected a path, or a pair of one and finite radians that it is bent by, got {chosen!r}.")
+        path, bend = chosen if isinstance(chosen, tuple) else (chosen, 0.0)
         path = int(path)
         if not 0 <= path < len(network):
             raise InputError(f"Expected a path below {len(network)}, got {path}.")
@@ -168,6 +175,7 @@ class LiveRenderer:
             if first != left:
                 self._cut(left, first)
         self.path, self.moment, self._left = path, first, int(network.length[path])
+        self._bend = bend / self._left
         self._onwards = -1 if bool(repertoire.is_backward(first)) else 1
 
     def _cut(self, left: int, first: int) -> None:
