@@ -12,7 +12,7 @@ import kinesics as kx
 from kinesics import plotting
 from kinesics.plotting.canvas import figure_bytes
 from kinesics.plotting.contact_sheet import CUT, MIRRORED
-from kinesics.plotting.scene import GOAL, TRAIL, Camera
+from kinesics.plotting.scene import GOAL, TILE, TRAIL, Camera
 
 
 @pytest.fixture(scope="module")
@@ -93,6 +93,32 @@ def test_a_single_frame_and_a_far_walk_have_a_picture() -> None:
     floor = ax.collections[0]
     assert isinstance(floor, LineCollection)
     assert len(floor.get_segments()) < 120
+
+
+@pytest.mark.parametrize(
+    ("metres", "tile", "words"),
+    [
+        (8.0, 1.0, "a tile is a metre wide"),
+        (60.0, 2.0, "a tile is 2 metres wide"),
+        (700.0, 20.0, "a tile is 20 metres wide"),
+    ],
+)
+def test_tiles_are_as_wide_as_is_said(walk: kx.Motion, metres: float, tile: float, words: str) -> None:
+    """Whole tiles, of a metre while they can be told apart; what they are and how figures are drawn stands below."""
+    straight = np.zeros((walk.frame_count, 3))
+    straight[:, 1] = walk.root_positions[:, 1]
+    straight[:, 2] = np.linspace(0.0, metres, walk.frame_count)
+    ax = plotting.trail_plot(walk.replace(root_positions=straight))
+    (said,) = (text.get_text() for text in ax.texts)
+    assert words in said
+    # the floor is a metre or more larger all round, in whole tiles: as many lines across as tiles, and one more
+    (lines,) = [c for c in ax.collections if isinstance(c, LineCollection) and to_hex(c.get_color()[0]) == TILE]
+    long, wide = np.ceil(np.array([metres + 2.0, 2.0]) / tile)
+    assert len(lines.get_segments()) == long + wide + 2
+    head = next(a for a in ax.get_children() if isinstance(a, Ellipse))
+    inches = 9.0 / np.ptp(ax.get_xlim())
+    assert head.height * inches > 0.03
+    assert ("times too large" in said) == (metres > 30.0)
 
 
 def test_a_contact_sheet_has_a_figure_a_step_and_its_marks(walk: kx.Motion) -> None:

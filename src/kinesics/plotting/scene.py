@@ -36,7 +36,23 @@ _STEPS: Final = (0.1, 0.2, 0.25, 0.5, 1.0, 1.5, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0
 """Seconds between figures."""
 _MARGIN: Final = 1.0
 """Metres of floor around what is on it."""
+_TILES: Final = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
+"""Metres that a tile may be wide: the first of which no more than `_MOST_TILES` lie along the floor."""
+_MOST_TILES: Final = 40
+"""More would be a fog of lines."""
 
+
+_PAPER: Final = 9.0
+"""Inches from the left end of the floor to the right."""
+_LEAST_FIGURE: Final = 0.42
+"""Inches: the smallest figure in which limbs can be told apart."""
+_STATURE: Final = 1.7
+"""Metres, about."""
+_LARGER: Final = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 15.0, 20.0, 30.0, 50.0, 100.0, 200.0, 500.0)
+"""Times that figures may be drawn too large for a long way."""
+_MOST_DOTS: Final = 60
+_DOT_STEPS: Final = (1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1800.0, 3600.0)
+"""Seconds between dots."""
 
 _ROUND: Final = np.linspace(0.0, 2.0 * np.pi, 90)
 _RING: Final = np.stack([np.sin(_ROUND), np.cos(_ROUND)], axis=-1)
@@ -84,7 +100,9 @@ def trail_plot(
 ) -> Axes:
     """The way of the body over the floor, in blue, with stick figures along it ([Schultz2012] Figure 82).
 
-    Seen from beside the way, which runs to the right. Left limbs red, right limbs blue; a tile of the floor is a metre wide.
+    Seen from beside the way, which runs to the right. Left limbs red, right limbs blue. A tile of the floor is a metre wide; on
+    floors of more than forty metres 2, 5, 10, … metres. Where the way is so long that figures would be too small to be made out,
+    they are drawn larger than the floor. Both are said below the picture.
 
     Parameters
     ----------
@@ -105,19 +123,21 @@ def trail_plot(
         if value is not None and not (np.isfinite(value) and value > 0.0):
             raise InputError(f"Expected `{name}` above 0, got {value}.")
     trail = motion.root_positions[:, [0, 2]]
-    step, frames = _frames(motion, trail, every)
     things = np.concatenate(
         [trail, *([] if line is None else [line]), *([] if goal is None else [goal + radius * _RING])]
     )
     camera = _camera(things, trail)
-    figures = _figures(motion, frames)
     floor = _floor(camera, things)
+    inches = _PAPER / float(np.ptp(camera.project(floor.corners)[:, 0]))
+    larger = next((n for n in _LARGER if n * _STATURE * inches >= _LEAST_FIGURE), _LARGER[-1])
+    step, frames = _frames(motion, trail, every, larger * _APART)
+    figures = _enlarged(_figures(motion, frames), trail[frames], larger)
     least, most = _extent(camera, floor, figures)
     if ax is None:
         wide, high = most - least
-        height = 9.0 * float(high / wide)
-        paper = (9.2, height + 0.75)
-        ax = canvas.own_axes(*paper, rect=(0.1 / paper[0], 0.3 / paper[1], 9.0 / paper[0], height / paper[1]))
+        height = _PAPER * float(high / wide)
+        paper = (_PAPER + 0.2, height + 0.75)
+        ax = canvas.own_axes(*paper, rect=(0.1 / paper[0], 0.3 / paper[1], _PAPER / paper[0], height / paper[1]))
     ax.set_aspect("equal", adjustable="box")
     ax.set_xlim(least[0], most[0])
     ax.set_ylim(least[1], most[1])
@@ -132,12 +152,16 @@ def trail_plot(
         begin[:, 0], begin[:, 1], marker="o", markersize=9, color="white", markeredgecolor=TRAIL, mew=2.2, zorder=3.2
     )
     _draw_line(ax, camera, trail, color=TRAIL, linewidth=2.8, solid_capstyle="round", zorder=3.0)
-    seconds = np.arange(0.0, motion.duration, 1.0)
+    dots_apart = next((t for t in _DOT_STEPS if motion.duration <= t * _MOST_DOTS), _DOT_STEPS[-1])
+    seconds = np.arange(0.0, motion.duration, dots_apart)
     dots = camera.project(_on_floor(trail[np.minimum(np.round(seconds * motion.fps).astype(int), len(trail) - 1)]))
     ax.plot(dots[:, 0], dots[:, 1], linestyle="", marker="o", markersize=3.2, color=TRAIL, zorder=3.1)
     _draw_figures(ax, camera, figures)
     said = (
-        f"From the ring on: a figure every {step:g} s where there is room, a dot every second; a tile is a metre wide."
+        f"From the ring on: a figure every {step:g} s where there is room"
+        f"{'' if larger == 1.0 else f', drawn {larger:g} times too large'}, a dot every "
+        f"{'second' if dots_apart == 1.0 else f'{dots_apart:g} s'}; a tile is "
+        f"{'a metre' if floor.tile == 1.0 else f'{floor.tile:g} metres'} wide."
     )
     ax.text(
         0.004, -0.01, said, transform=ax.transAxes, fontsize=8.5, color=canvas.INK, ha="left", va="top", clip_on=False
@@ -158,13 +182,13 @@ def _points(values: ArrayLike, name: str, shape: tuple[int, ...]) -> Array:
     return points
 
 
-def _frames(motion: Motion, trail: Array, every: float | None) -> tuple[float, list[int]]:
-    """At which frames the body is drawn: regularly, but not where it stands on itself."""
+def _frames(motion: Motion, trail: Array, every: float | None, apart: float) -> tuple[float, list[int]]:
+    """At which frames the body is drawn: regularly, but not where it stands on itself, ``apart`` metres from another."""
     step = every
     if step is None:
         # as many steps as figures fit along the way; at least a second of standing is one figure
         length = float(np.hypot(*np.diff(trail, axis=0).T).sum()) if len(trail) > 1 else 0.0
-        many = min(_MOST_FIGURES, max(1.0, length / _APART))
+        many = min(_MOST_FIGURES, max(1.0, length / apart))
         step = next((s for s in _STEPS if motion.duration / s <= many), _STEPS[-1])
     times = np.arange(0.0, motion.duration - 0.5 / motion.fps, step)
     wanted = np.minimum(np.round(times * motion.fps).astype(int), motion.frame_count - 1).tolist()
@@ -173,7 +197,7 @@ def _frames(motion: Motion, trail: Array, every: float | None) -> tuple[float, l
     chosen: list[int] = []
     for frame in (wanted[0], wanted[-1], *wanted[1:-1]):
         away = [np.hypot(*(trail[frame] - trail[other])) for other in chosen]
-        if not away or min(away) >= _APART:
+        if not away or min(away) >= apart:
             chosen.append(frame)
     return float(step), sorted(chosen)
 
@@ -213,6 +237,8 @@ class _Floor(NamedTuple):
     """Unit vectors, x and z, shape (2, 2): across the picture to the right, and away from the viewer."""
     low: Array
     high: Array
+    tile: float
+    """Metres."""
 
     def point(self, across: float, away: float) -> Array:
         return _on_floor(across * self.along[0] + away * self.along[1])
@@ -229,15 +255,18 @@ def _floor(camera: Camera, things: Array) -> _Floor:
     places = things @ along.T
     # whole tiles about the middle
     middle = 0.5 * (places.min(axis=0) + places.max(axis=0))
-    half = np.ceil(np.ptp(places, axis=0) + 2.0 * _MARGIN) / 2.0
-    return _Floor(along, middle - half, middle + half)
+    size = np.ptp(places, axis=0) + 2.0 * _MARGIN
+    tile = next((t for t in _TILES if size.max() <= t * _MOST_TILES), _TILES[-1])
+    half = 0.5 * tile * np.ceil(size / tile - 1e-9)
+    return _Floor(along, middle - half, middle + half, tile)
 
 
 def _extent(camera: Camera, floor: _Floor, figures: _Figures) -> tuple[Array, Array]:
     """Left below and right above of all that is drawn, on paper."""
     head = figures.heads + np.array([0.0, 1.3 * figures.radius, 0.0])
     points = np.concatenate([camera.project(p).reshape(-1, 2) for p in (floor.corners, figures.bones, head)])
-    return points.min(axis=0) - 0.04, points.max(axis=0) + 0.04
+    margin = 0.004 * float(np.ptp(points[:, 0]))
+    return points.min(axis=0) - margin, points.max(axis=0) + margin
 
 
 def _draw_floor(ax: Axes, camera: Camera, floor: _Floor) -> None:
@@ -246,8 +275,7 @@ def _draw_floor(ax: Axes, camera: Camera, floor: _Floor) -> None:
 
     ax.add_patch(Polygon(camera.project(floor.corners), closed=True, facecolor=FLOOR, edgecolor="none", zorder=0.5))
     (a, c), (b, d) = floor.low.tolist(), floor.high.tolist()
-    # floors of more than a few dozen tiles would be a fog of lines
-    step = max(1.0, float(np.ceil((floor.high - floor.low).max() / 40.0)))
+    step = floor.tile
     lines = [camera.project(np.stack([floor.point(x, c), floor.point(x, d)])) for x in np.arange(a, b + 0.01, step)]
     lines += [camera.project(np.stack([floor.point(a, z), floor.point(b, z)])) for z in np.arange(c, d + 0.01, step)]
     ax.add_collection(LineCollection(lines, colors=TILE, linewidths=0.8, zorder=0.6), autolim=False)
@@ -309,6 +337,16 @@ def _figures(motion: Motion, frames: Sequence[int]) -> _Figures:
         [0.45 if fine[owner[j]] else 1.0 for j in ends],
         heads,
         radius,
+    )
+
+
+def _enlarged(figures: _Figures, places: Array, times: float) -> _Figures:
+    """Figures so many times as large, each about its place on the floor: x, z in metres, shape (frames, 2)."""
+    here = _on_floor(places)
+    return figures._replace(
+        bones=here[:, None, None] + times * (figures.bones - here[:, None, None]),
+        heads=here + times * (figures.heads - here),
+        radius=times * figures.radius,
     )
 
 
