@@ -44,6 +44,8 @@ def test_the_trail_runs_over_the_picture_in_blue(walk: kx.Motion) -> None:
     assert [line for line in ax.lines if line.get_color() == GOAL and line.get_linestyle() == "--"]
     discs = [p for p in ax.patches if isinstance(p, Polygon) and to_hex(p.get_facecolor()) == GOAL]
     assert len(discs) == 2
+    several = plotting.trail_plot(walk, target=[(2.0, 3.0), (0.0, 4.0), (1.0, 1.0)])
+    assert len([p for p in several.patches if isinstance(p, Polygon) and to_hex(p.get_facecolor()) == GOAL]) == 6
     assert figure_bytes(ax.figure, ".png").startswith(b"\x89PNG")
 
 

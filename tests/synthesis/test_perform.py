@@ -257,6 +257,11 @@ def test_goals_of_ones_own(walks: list[kx.Motion]) -> None:
     made = kx.performance(walks, goal=[goals.Heading(1.5), goals.Speed(1.3)], seconds=8)
     assert abs(np.median(kx.poses(made.motion).yaw[-60:]) - 1.5) < 0.5
     assert "Heading" in made.to_dict()["parameters"]["goal"][0]
+    # neither can be attained, so that nothing was missed
+    assert made.motion.warnings == ()
+    chased = kx.performance(walks, goal=goals.MovingTarget(lambda t: (0.0, 1.2 * t)), seconds=6)
+    assert chased.outcome[0].startswith("followed the moving target")
+    assert chased.motion.warnings == ()
 
 
 def test_where_one_way_does_not_lead_there_another_is_tried(walks: list[kx.Motion]) -> None:

@@ -106,7 +106,7 @@ def trail_plot(
 
     Parameters
     ----------
-    target : x, z in metres: a ring of ``radius`` metres on the floor.
+    target : x, z in metres: a ring of ``radius`` metres on the floor; or several, shape (n, 2).
     route : corners of the line that was to be followed, shape (n, 2), x and z in metres.
     every : seconds between figures; chosen for a dozen figures unless given. Where the body stays in one place only the first of
         them is drawn.
@@ -117,15 +117,13 @@ def trail_plot(
     InputError
         If ``target`` or ``route`` has another shape or is not finite, or ``every`` or ``radius`` is not positive.
     """
-    goal = None if target is None else _points(target, "target", (2,))
-    line = None if route is None else _points(route, "route", (-1, 2))
+    places = np.zeros((0, 2)) if target is None else np.atleast_2d(_points(target, "target", 1))
+    line = None if route is None else _points(route, "route", 2)
     for name, value in (("every", every), ("radius", radius)):
         if value is not None and not (np.isfinite(value) and value > 0.0):
             raise InputError(f"Expected `{name}` above 0, got {value}.")
     trail = motion.root_positions[:, [0, 2]]
-    things = np.concatenate(
-        [trail, *([] if line is None else [line]), *([] if goal is None else [goal + radius * _RING])]
-    )
+    things = np.concatenate([trail, *([] if line is None else [line]), *(place + radius * _RING for place in places)])
     camera = _camera(things, trail)
     floor = _floor(camera, things)
     inches = _PAPER / float(np.ptp(camera.project(floor.corners)[:, 0]))
@@ -145,8 +143,8 @@ def trail_plot(
     _draw_floor(ax, camera, floor)
     if line is not None:
         _draw_line(ax, camera, _finely(line), color=GOAL, linewidth=2.2, linestyle=(0, (4, 2.5)), zorder=2.0)
-    if goal is not None:
-        _draw_target(ax, camera, goal, radius)
+    for place in places:
+        _draw_target(ax, camera, place, radius)
     begin = camera.project(_on_floor(trail[:1]))
     ax.plot(
         begin[:, 0], begin[:, 1], marker="o", markersize=9, color="white", markeredgecolor=TRAIL, mew=2.2, zorder=3.2
@@ -171,13 +169,14 @@ def trail_plot(
     return ax
 
 
-def _points(values: ArrayLike, name: str, shape: tuple[int, ...]) -> Array:
+def _points(values: ArrayLike, name: str, least: int) -> Array:
+    """A place, x and z, if one dimension is enough, or several, shape (n, 2)."""
     try:
         points = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError):
         points = np.zeros(0)
-    if points.ndim != len(shape) or points.shape[-1:] != (2,) or not np.isfinite(points).all() or not points.size:
-        expected = "x, z" if len(shape) == 1 else "shape (n, 2)"
+    if not least <= points.ndim <= 2 or points.shape[-1:] != (2,) or not np.isfinite(points).all() or not points.size:
+        expected = "x, z, or several places of shape (n, 2)," if least == 1 else "shape (n, 2)"
         raise InputError(f"Expected `{name}` as {expected} in metres, got {values!r}.")
     return points
 

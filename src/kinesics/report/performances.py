@@ -141,7 +141,7 @@ def _unstopped(work: Callable[[], None]) -> None:
 def picture(piece: Piece) -> Figure:
     """The trail on the floor (Figure 82 of [Schultz2012]); a contact sheet where the body stays in place."""
     goal = piece.parameters
-    stays = bool(np.ptp(piece.trail, axis=0).max() < IN_PLACE) and goal["target"] is None and goal["route"] is None
+    stays = bool(np.ptp(piece.trail, axis=0).max() < IN_PLACE) and not piece.places and goal["route"] is None
     title = f"{piece.motion.duration:.1f} s from {len(piece.sources)} recording{'s' if len(piece.sources) != 1 else ''}"
     if piece.outcome:
         title += f": {piece.outcome[0]}"
@@ -153,7 +153,9 @@ def picture(piece: Piece) -> Figure:
             title=title,
         )
     else:
-        ax = plotting.trail_plot(piece.motion, target=goal["target"], route=goal["route"], title=title)
+        ax = plotting.trail_plot(
+            piece.motion, target=piece.places or None, radius=piece.radius, route=goal["route"], title=title
+        )
     figure = ax.get_figure(root=True)
     assert figure is not None
     return figure

@@ -375,7 +375,7 @@ def _doubts(piece: Piece, wish: Wish, ahead: Prospects, most: float, seconds: fl
         "ones or a larger threshold would join it"
         for name in dict.fromkeys(p.recording for p in piece.pruned if p.everything)
     ]
-    if wish.ends and not piece.attained:
+    if wish.attainable and not piece.attained:
         told = "; ".join(piece.outcome) or "the goal was not attained"
         pace = _pace(ahead)
         if piece.course.attained and wish.places:

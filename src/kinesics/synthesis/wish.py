@@ -107,6 +107,12 @@ class Wish:
         return bool(self.target or self.route or self.to_state or self.own)
 
     @property
+    def attainable(self) -> bool:
+        """Whether it is something that can be said not to have been attained: a moving target or a speed never is."""
+        known = goals.Target | goals.Targets | goals.Route | goals.StateToState
+        return bool(self.target or self.route or self.to_state or any(isinstance(g, known) for g in self.own))
+
+    @property
     def _to_places(self) -> goals.Target | goals.Targets | None:
         """The goal that leads to places, where there is just one such."""
         if self.target is not None:
