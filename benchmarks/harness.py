@@ -100,12 +100,21 @@ def measure(
     return seconds, processor, peak / (2**20 if sys.platform == "darwin" else 2**10)
 
 
-def main(run: Callable[[], Sequence[Table]], arguments: Sequence[str] | None = None) -> None:
-    """Print the tables of a benchmark; with ``--json FILE`` write them too."""
+def main(
+    run: Callable[[], Sequence[Table]],
+    arguments: Sequence[str] | None = None,
+    *,
+    parts: Mapping[str, Callable[[], Sequence[Table]]] | None = None,
+) -> None:
+    """Print the tables of a benchmark; with ``--json FILE`` write them too; with ``--only PART``, where it has parts, only
+    those of one.
+    """
     parser = argparse.ArgumentParser()
     parser.add_argument("--json", type=Path, metavar="FILE")
+    if parts:
+        parser.add_argument("--only", choices=[*parts], metavar="PART", help=", ".join(parts))
     told = parser.parse_args(arguments)
-    tables = run()
+    tables = parts[told.only]() if parts and told.only else run()
     for table in tables:
         print(table.text())
     if told.json:
