@@ -1,4 +1,4 @@
-"""Everything kinesics raises on purpose. A leaf: it imports nothing, so anyone may import it.
+"""Everything kinesics raises on purpose, and how names are listed in messages. A leaf that anyone may import.
 
 ``KinesicsError`` is the root. ``InputError`` is bad input of any kind (a file, an argument): its message names
 what was given, what was expected and how to mend it. The command line turns an ``InputError`` into exit code 2.
@@ -6,6 +6,7 @@ what was given, what was expected and how to mend it. The command line turns an 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from os import PathLike
 
 
@@ -73,3 +74,9 @@ class MissingExtraError(InputError):
 
 class Cancelled(KinesicsError):  # noqa: N818 - it is not an error of anyone's
     """The caller asked to stop (see `kinesics.progress`)."""
+
+
+def some_of(names: Sequence[str], most: int = 4) -> str:
+    """Names as they stand in a message: the first few in quotes, and how many more there are."""
+    shown = ", ".join(f"'{name}'" for name in names[:most])
+    return shown if len(names) <= most else f"{shown} and {len(names) - most} more"

@@ -13,6 +13,7 @@ from hypothesis import given
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose
 
+import bodies
 from kinesics import formats
 from kinesics.body import limits
 from kinesics.body.mirroring import mirror
@@ -21,38 +22,14 @@ from kinesics.body.skeleton import EndSite, JointFreedom, Skeleton
 from kinesics.geometry import euler, quaternion
 from naive import geometry as naive
 
-BODY = (
-    ("Hips", -1, (0.0, 0.0, 0.0)),
-    ("Spine", 0, (0.0, 0.12, 0.0)),
-    ("Chest", 1, (0.0, 0.14, 0.0)),
-    ("Neck", 2, (0.0, 0.26, 0.0)),
-    ("Head", 3, (0.0, 0.1, 0.0)),
-    ("LeftUpLeg", 0, (0.09, -0.05, 0.0)),
-    ("LeftLeg", 5, (0.0, -0.43, 0.0)),
-    ("LeftFoot", 6, (0.0, -0.43, 0.0)),
-    ("RightUpLeg", 0, (-0.09, -0.05, 0.0)),
-    ("RightLeg", 8, (0.0, -0.43, 0.0)),
-    ("RightFoot", 9, (0.0, -0.43, 0.0)),
-    ("LeftArm", 2, (0.18, 0.2, 0.0)),
-    ("LeftForeArm", 11, (0.31, 0.0, 0.0)),
-    ("LeftHand", 12, (0.26, 0.0, 0.0)),
-    ("RightArm", 2, (-0.18, 0.2, 0.0)),
-    ("RightForeArm", 14, (-0.31, 0.0, 0.0)),
-    ("RightHand", 15, (-0.26, 0.0, 0.0)),
-)
-NAMES = tuple(name for name, _, _ in BODY)
-J = {name: k for k, name in enumerate(NAMES)}
-SKELETON = Skeleton(
-    NAMES,
-    tuple(parent for _, parent, _ in BODY),
-    np.array([offset for _, _, offset in BODY]),
-    (
-        EndSite(4, (0.0, 0.2, 0.0)),
-        EndSite(7, (0.0, -0.05, 0.15)),
-        EndSite(10, (0.0, -0.05, 0.15)),
-        EndSite(13, (0.15, 0.0, 0.0)),
-        EndSite(16, (-0.15, 0.0, 0.0)),
-    ),
+HUMAN = bodies.human()
+J = HUMAN.joint_index
+SKELETON = HUMAN.replace(
+    end_sites=(
+        *HUMAN.end_sites,
+        EndSite(J["LeftHand"], (0.15, 0.0, 0.0)),
+        EndSite(J["RightHand"], (-0.15, 0.0, 0.0)),
+    )
 )
 
 
@@ -249,7 +226,7 @@ def test_crossed_shanks_are_found_with_their_depth() -> None:
 
 def test_the_tolerance_lets_flesh_touch() -> None:
     """What is found at no tolerance and not at five centimetres is a touch."""
-    knees = posed(LeftUpLeg=[0.0, 0.0, -0.06], RightUpLeg=[0.0, 0.0, 0.06])
+    knees = posed(LeftUpLeg=[0.0, 0.0, -0.08], RightUpLeg=[0.0, 0.0, 0.08])
     assert limits.self_collisions(knees, tolerance=0.0).collisions
     assert limits.self_collisions(knees).collisions == ()
 
@@ -310,7 +287,9 @@ def test_sentences_name_each_joint_once_and_leave_hands_and_toes_out() -> None:
     angles = {"LeftHand": 80.0, "LeftLeg": 50.0, "RightArm": 40.0, "Head": 30.0, "Spine": 20.0}
 
     def told(*names: str) -> limits.FreeSpace:
-        freedoms = tuple(narrow if n in angles else f for n, f in zip(NAMES, SKELETON.freedoms, strict=True))
+        freedoms = tuple(
+            narrow if n in angles else f for n, f in zip(SKELETON.joint_names, SKELETON.freedoms, strict=True)
+        )
         return limits.free_space(
             posed(SKELETON.replace(freedoms=freedoms), **{n: np.deg2rad([angles[n] / 2, 0, angles[n]]) for n in names})
         )

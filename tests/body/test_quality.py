@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 
+import bodies
 from kinesics import formats
 from kinesics.body import limits
 from kinesics.body.motion import Motion, reverse
@@ -19,32 +20,14 @@ from kinesics.body.quality import KINDS, MOST_SENTENCES, Quality, estimated_stat
 from kinesics.body.skeleton import EndSite, Skeleton
 from kinesics.geometry import quaternion
 
-BODY = (
-    # name, parent, offset from the parent in metres: a person of 1.75 m with arms out
-    ("Hips", -1, (0.0, 0.0, 0.0)),
-    ("Spine", 0, (0.0, 0.15, 0.0)),
-    ("Chest", 1, (0.0, 0.15, 0.0)),
-    ("Neck", 2, (0.0, 0.2, 0.0)),
-    ("Head", 3, (0.0, 0.1, 0.0)),
-    ("LeftUpLeg", 0, (0.09, -0.05, 0.0)),
-    ("LeftLeg", 5, (0.0, -0.43, 0.0)),
-    ("LeftFoot", 6, (0.0, -0.43, 0.0)),
-    ("RightUpLeg", 0, (-0.09, -0.05, 0.0)),
-    ("RightLeg", 8, (0.0, -0.43, 0.0)),
-    ("RightFoot", 9, (0.0, -0.43, 0.0)),
-    ("LeftArm", 2, (0.18, 0.15, 0.0)),
-    ("LeftForeArm", 11, (0.3, 0.0, 0.0)),
-    ("LeftHand", 12, (0.26, 0.0, 0.0)),
-    ("RightArm", 2, (-0.18, 0.15, 0.0)),
-    ("RightForeArm", 14, (-0.3, 0.0, 0.0)),
-    ("RightHand", 15, (-0.26, 0.0, 0.0)),
-)
-NAMES = tuple(name for name, _, _ in BODY)
-SKELETON = Skeleton(
-    NAMES,
-    tuple(parent for _, parent, _ in BODY),
-    np.array([offset for _, _, offset in BODY]),
-    (EndSite(4, (0.0, 0.2, 0.0)), EndSite(13, (0.15, 0.0, 0.0)), EndSite(16, (-0.15, 0.0, 0.0))),
+HUMAN = bodies.human()
+NAMES = HUMAN.joint_names
+SKELETON = HUMAN.replace(
+    end_sites=(
+        EndSite(NAMES.index("Head"), (0.0, 0.2, 0.0)),
+        EndSite(NAMES.index("LeftHand"), (0.15, 0.0, 0.0)),
+        EndSite(NAMES.index("RightHand"), (-0.15, 0.0, 0.0)),
+    )
 )
 
 
@@ -301,8 +284,8 @@ def test_a_wrong_unit_is_seen_in_the_size(scale: float, stature: float) -> None:
 
 
 def test_stature_from_the_legs() -> None:
-    """A leg of .86 m belongs to a body of 1.75 m."""
-    assert estimated_stature(moving()) == pytest.approx(1.75, abs=0.02)
+    """A leg of .83 m belongs to a body of 1.69 m: thigh and shank are .246 and .245 of the height (Drillis and Contini 1966)."""
+    assert estimated_stature(moving()) == pytest.approx(0.83 / 0.491, rel=1e-3)
 
 
 def test_stature_of_what_is_no_body_comes_from_its_longest_way() -> None:

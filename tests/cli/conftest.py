@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+import signal
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -53,3 +54,11 @@ def walk(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("recordings") / "walk.bvh"
     kx.write(kx.performer.walk(seconds=3, fps=30).motion, path)
     return path
+
+
+@pytest.fixture
+def listening() -> Iterator[None]:
+    """Ctrl-C reaches this process, also where whoever started it (nohup, a job in the background) had it ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)

@@ -6,7 +6,6 @@ import re
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import jsonschema
@@ -422,14 +421,6 @@ def test_names_from_outside_cannot_command_the_terminal(kinesics: Kinesics, tmp_
         got = kinesics(*call)
         assert "\x1b[2J" not in got.out + got.err
     assert "[bold]a" in kinesics("info", name).out
-
-
-@pytest.fixture
-def listening() -> Iterator[None]:
-    """Ctrl-C reaches this process, also where whoever started it (nohup, a job in the background) had it ignored."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
 
 
 @pytest.mark.usefixtures("listening")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import json
 import signal
-from collections.abc import Iterator
 from pathlib import Path
 
 import jsonschema
@@ -304,14 +303,6 @@ def test_the_body_of_another_recording(kinesics: Kinesics, walk: Path, tmp_path:
     new, small = kx.read(tmp_path / "new.bvh"), kx.read(tmp_path / "small.bvh")
     assert new.fps == pytest.approx(24)
     assert abs(new.skeleton.offsets - small.skeleton.offsets).max() < 1e-6
-
-
-@pytest.fixture
-def listening() -> Iterator[None]:
-    """Ctrl-C reaches this process, whoever started it."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
 
 
 @pytest.mark.usefixtures("listening")

@@ -17,6 +17,11 @@ from kinesics.vocabulary import MovementClass
 from naive import symmetry as naive
 
 CYCLIC = ("walk", "limp", "run", "jog_in_place", "jumping_jacks", "squat", "twist", "wave", "arm_circles", "butterfly")
+HELD = {"throw", "raise_arms", "reach", "sway", "bow", "sun_salutation", "kata", "stand"}
+TURNING_BACK = {
+    *("jog_in_place", "jumping_jacks", "squat", "twist", "wave", "wave_both"),
+    *("reach", "bow", "sun_salutation", "kata"),
+}
 
 
 def lowest(performance, body=None):
@@ -80,6 +85,8 @@ def test_paths_begin_and_end_in_their_states(performance):
     truth = performance.truth
     q = kx.poses(performance.motion).quaternions
     step = max(naive.distance(a, b) for a, b in pairwise(q)) if len(q) > 1 else 0.0
+    whole = [o for path in truth.paths for o in path.occurrences if o.complete]
+    assert bool(whole) == (truth.movement != "stand")
     for path in truth.paths:
         ends = [truth.state(path.from_).pose, truth.state(path.to).pose]
         for occurrence in path.occurrences:
@@ -92,6 +99,7 @@ def test_paths_begin_and_end_in_their_states(performance):
 
 def test_repeated_paths_repeat():
     """Each complete occurrence passes the same poses in the middle, forwards, backwards or mirrored."""
+    compared = set()
     for name in performer.NAMES:
         performance = performer.perform(name, fps=400.0, **({"seconds": 6.0} if name in CYCLIC else {}))
         truth = performance.truth
@@ -100,14 +108,18 @@ def test_repeated_paths_repeat():
             middles = np.array([(o.start + o.end) // 2 for o in whole], dtype=int)
             if len(middles) < 2 or len({len(o) // 4 for o in whole}) > 2:
                 continue  # a strike and a gentle arrival do not share a clock
+            compared.add(name)
             q = kx.poses(performance.motion[middles.min() : middles.max() + 1]).quaternions[middles - middles.min()]
             assert max(naive.distance(q[0], other) for other in q[1:]) < 2e-4, (name, path.label)
+    assert compared > set(CYCLIC)
 
 
 def test_held_states_are_still(performance):
     """During a stay the pose is the state's own."""
     q = kx.poses(performance.motion).quaternions
-    for state in performance.truth.states:
+    truth = performance.truth
+    assert any(state.stays for state in truth.states) == (truth.movement in HELD)
+    for state in truth.states:
         for stay in state.stays:
             for frame in (stay.start, (stay.start + stay.end) // 2, stay.end - 1):
                 assert naive.distance(q[frame], state.pose) < 1e-9
@@ -118,6 +130,7 @@ def test_reversals_turn_back(performance):
     truth, fps = performance.truth, performance.motion.fps
     q = kx.poses(performance.motion).quaternions
     reach = 6
+    assert any(reach <= frame < len(q) - reach for frame in truth.reversals) == (truth.movement in TURNING_BACK)
     for frame in truth.reversals:
         if reach <= frame < len(q) - reach:
             away = naive.distance(q[frame - reach], q[frame + reach])

@@ -20,7 +20,7 @@ from kinesics.body.joint_names import by_name, naming_of, of_an_animal
 from kinesics.body.shape import by_shape
 from kinesics.body.skeleton import Skeleton
 from kinesics.body.tree import ancestors, between, meet
-from kinesics.errors import InputError, SkeletonError
+from kinesics.errors import InputError, SkeletonError, some_of
 
 Array = NDArray[np.float64]
 
@@ -193,7 +193,7 @@ def identify(skeleton: Skeleton, positions: Array | None = None, mapping: Mappin
     if animal and not told:
         missing = tuple(role for role in REQUIRED if role not in found)
         raise SkeletonError(
-            f"The skeleton is not a human body: it has {_some(animal)}. Only humanoid skeletons have the 15 links; if this "
+            f"The skeleton is not a human body: it has {some_of(animal)}. Only humanoid skeletons have the 15 links; if this "
             "one is humanoid all the same, name its joints in a mapping file (--map).",
             found={role: skeleton.joint_names[j] for role, j in found.items()},
             missing=missing,
@@ -234,11 +234,6 @@ def mapped_joints(skeleton: Skeleton, mapping: Mapping[str, object] | None) -> d
             raise InputError(f"The mapping of '{role}' must be a joint name, got {name!r}.")
         out[role] = skeleton.find(name)
     return out
-
-
-def _some(names: list[str], most: int = 4) -> str:
-    quoted = [f"'{n}'" for n in names[:most]]
-    return ", ".join(quoted) + (f" and {len(names) - most} more" if len(names) > most else "")
 
 
 def _not_understood(skeleton: Skeleton, found: Mapping[str, str], missing: tuple[str, ...]) -> str:

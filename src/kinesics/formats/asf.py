@@ -6,7 +6,6 @@ What the two files mean is told in `kinesics.formats.asf_amc`.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final, NoReturn
@@ -15,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.body.skeleton import EndSite, JointFreedom, Skeleton
-from kinesics.errors import FileError
+from kinesics.errors import FileError, some_of
 from kinesics.formats import angles, load, text
 from kinesics.geometry import euler
 
@@ -336,12 +335,6 @@ def skeleton_of(asf: Asf) -> Skeleton:
         freedoms=tuple(freedoms),
         name=asf.name,
     )
-
-
-def some_of(names: Sequence[str]) -> str:
-    """Names as they may stand in a message: the first four."""
-    shown = ", ".join(f"'{n}'" for n in names[:4])
-    return shown if len(names) <= 4 else f"{shown} and {len(names) - 4} more"
 
 
 def _is_number(word: str) -> bool:

@@ -20,9 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.body import conventions
-from kinesics.errors import FileError
+from kinesics.errors import FileError, some_of
 from kinesics.formats import angles, text
-from kinesics.formats.asf import Asf, is_skeleton, read_asf, skeleton_of, some_of
+from kinesics.formats.asf import Asf, is_skeleton, read_asf, skeleton_of
 from kinesics.formats.asf_amc_writing import FPS_REMARK, write
 from kinesics.formats.registry import Format, ReadOptions, Recording
 from kinesics.geometry import quaternion
