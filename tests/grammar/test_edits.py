@@ -188,6 +188,43 @@ def test_a_wrong_file_is_refused(kicks: MotionGraph, text: str, message: str) ->
         _apply(kicks, text)
 
 
+def test_a_frame_may_stand_for_a_label(kata: MotionGraph) -> None:
+    """Every frame of a stay speaks of its state, every frame of a traversal of its path, and the middle of a stay splits it."""
+    for step in kata.timeline(0):
+        frames = (step.start, step.end - 1)
+        for frame in frames:
+            if step.path is None:
+                said = _apply(kata, f'states.rename = {{ "@{frame}" = "here" }}')
+                base = kata.state(step.state).label.rstrip("~*")
+                assert said == _apply(
+                    kata, f'states.rename = {{ "{base}{"~" * kata.state(step.state).symmetric}" = "here" }}'
+                )
+            else:
+                assert "here" in "".join(
+                    p.label for p in _apply(kata, f'paths.rename = {{ "0@{frame}" = "here" }}').paths
+                )
+    held = next(s for s in kata.timeline(0) if s.path is None)
+    with pytest.raises(InputError, match="a state is held there"):
+        _apply(kata, f'paths.rename = {{ "@{held.start}" = "x" }}')
+
+
+def test_nothing_is_split_off_twice_or_has_two_names(kicks: MotionGraph) -> None:
+    """What two entries ask for at once is refused, whichever of a pair of mirror images they speak of."""
+    path = next(p for p in kicks.paths if len(p.occurrences) > 2)
+    entry = f'{{ path = "{path.label}", frames = [{path.occurrences[1].start}] }}'
+    with pytest.raises(InputError, match=r"split off twice: name each traversal"):
+        _apply(kicks, f"paths.split = [ {entry}, {entry} ]")
+    with pytest.raises(InputError, match=r"A visit of 'A' at frame 0 .* split off twice"):
+        _apply(
+            kicks,
+            'states.split = [ { state = "A", into = "b", frames = [0] }, { state = "A", into = "c", frames = [0] } ]',
+        )
+    with pytest.raises(InputError, match="One state, with its mirror image, would be called both 'one' and 'two'"):
+        _apply(kicks, 'states.rename = { A = "one", "A*" = "two" }')
+    with pytest.raises(InputError, match="One path, with its mirror image, would be called both 'one' and 'two'"):
+        _apply(kicks, 'paths.rename = { "ax_1" = "one", "(ax_1)*" = "two" }')
+
+
 def test_a_name_that_is_taken_is_refused(kata: MotionGraph) -> None:
     """Of states and of paths."""
     with pytest.raises(InputError, match="cannot be called 'B'"):

@@ -115,6 +115,58 @@ def test_edits_are_honoured_on_several_recordings() -> None:
     assert edited.graph == kx.graph([a, b], edits=edits.parse(text))
 
 
+def test_edits_survive_another_analysis() -> None:
+    """Said by frames and names of recordings, they hold in another order, with other weights and beside another recording."""
+    squat = dataclasses.replace(kx.performer.squat(seconds=8, fps=60, seed=1, noise_degrees=0.3).motion, name="squat")
+    kicks = dataclasses.replace(kx.performer.side_kicks(fps=30, seed=2, noise_degrees=0.3).motion, name="kicks")
+    walk = dataclasses.replace(kx.performer.walk(seconds=5, fps=60, seed=3, noise_degrees=0.3).motion, name="walk")
+    plain = kx.graph([squat, kicks])
+    path = next(p for p in plain.paths if len([o for o in p.occurrences if o.source == 1]) > 1)
+    first, *_, last = (o for o in path.occurrences if o.source == 1)
+    bottom = next(p for p in plain.paths if p.occurrences[0].source == 0).occurrences[0].end
+    told = edits.parse(f"""
+        states.rename = {{ "squat@{bottom}" = "low" }}
+        paths.rename = {{ "kicks@{first.start}" = "way" }}
+        paths.split = [ {{ path = "kicks@{first.start}", into = "again", frames = [{last.start}], source = "kicks" }} ]
+        phrases.rename = [ {{ frame = 10, name = "knees", source = "squat" }} ]
+    """)
+    uneven = np.ones(15)
+    uneven[[7, 8, 11, 12]] = 1.5
+    for motions, weights in (
+        ([squat, kicks], None),
+        ([kicks, squat], None),
+        ([walk, squat, kicks], None),
+        ([squat, kicks], uneven),
+    ):
+        found = kx.analyze(motions, edits=told, weights=weights)
+        number = {s.name: k for k, s in enumerate(found.sources)}
+        low = found.graph.state("low~")
+        ends = [p for p in found.graph.paths if low.id in (p.from_, p.to)]
+        assert {o.source for p in ends for o in p.occurrences} == {number["squat"]}
+        named = {p.label.strip("()*~") for p in found.graph.paths}
+        assert {"way", "again"} <= named
+        assert [p.source for p in found.phrases if p.name == "knees"] == [number["squat"]]
+        for k in range(len(motions)):
+            assert found.graph.rebuild(found.graph.notation(k), k) == found.graph.timeline(k)
+
+
+def test_recordings_that_are_not_there_are_told() -> None:
+    """By number or by name, in states, paths and phrases; and a name that two recordings have."""
+    squat = dataclasses.replace(kx.performer.squat(seconds=6, fps=30, seed=1).motion, name="squat")
+    for text, message in (
+        ('phrases.rename = [ { frame = 1, name = "x", source = 3 } ]', "No source 3"),
+        (
+            'phrases.split = [ { frame = 1, source = "walk" } ]',
+            "a recording 'walk'; no recording is. Recordings: 'squat', 'squat'",
+        ),
+        ('states.rename = { "squat@3" = "x" }', "several recordings are: give its number"),
+        ('states.rename = { "@99999" = "x" }', "frame 99999 of source 0, which has"),
+        ('paths.rename = { "qq_1" = "x" }', 'a frame in their place, such as "@812", does not'),
+    ):
+        with pytest.raises(InputError, match=message):
+            kx.analyze([squat, squat], edits=edits.parse(text))
+
+
 def _kinds(*motions: kx.Motion) -> list[list[tuple[int, bool]]]:
     """Of each recording the kinds of its phrases, and which are mirrored."""
     grammars = many.match_kinds([whole.read_grammar(kx.poses(m), with_graph=False) for m in motions])

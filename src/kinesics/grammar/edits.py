@@ -18,8 +18,12 @@ before anything is changed. What is said of a state or a path holds for its mirr
     merge = [ { from = 300, to = 900 } ]              # all phrases from the one to the other
     split = [ { frame = 500 } ]                       # a phrase begins here
 
-``source = 1`` in a split, or in anything of a phrase, counts frames in the second recording. Splits are done first, then merges,
-then names are given.
+``source = 1`` in a split, or in anything of a phrase, counts frames in the second recording; ``source = "walk.bvh"`` in the one of
+that name, wherever it stands. Splits are done first, then merges, then names are given.
+
+Labels follow the order in which states come up: another choice of recordings, weights or joints may change them. In the place of a
+label a frame may stand, which does not depend on that: ``"@812"`` is the state visited nearest to frame 812 of the first recording,
+or the path traversed at it; ``"1@812"`` and ``"walk.bvh@812"`` are of the second recording, and of the one of that name.
 """
 
 from __future__ import annotations
@@ -27,7 +31,7 @@ from __future__ import annotations
 import dataclasses
 import re
 import tomllib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, TypeVar
 
@@ -45,6 +49,8 @@ _EXAMPLES: Final = {
     "phrases": 'rename = [ { frame = 100, name = "warm-up" } ]',
 }
 """How names are given in each table of the file."""
+_FRAME: Final = re.compile(r"(.*)@(\d+)", re.DOTALL)
+"""A frame of a recording in the place of a label."""
 _PATH_NAME: Final = re.compile(r"[^\W_]+(?:-[^\W_]+)?")
 
 
@@ -63,7 +69,8 @@ class Split:
     label: str
     into: str | None
     frames: tuple[int, ...]
-    source: int = 0
+    source: int | str = 0
+    """Number or name of the recording."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +79,7 @@ class PhraseName:
 
     frame: int
     name: str
-    source: int = 0
+    source: int | str = 0
 
 
 @dataclass(frozen=True)
@@ -81,7 +88,7 @@ class PhraseMerge:
 
     start: int
     end: int
-    source: int = 0
+    source: int | str = 0
 
 
 @dataclass(frozen=True)
@@ -89,7 +96,7 @@ class PhraseSplit:
     """A phrase begins at a frame."""
 
     frame: int
-    source: int = 0
+    source: int | str = 0
 
 
 @dataclass(frozen=True)
@@ -116,11 +123,11 @@ class Edits:
     phrase_merges: tuple[PhraseMerge, ...] = ()
     phrase_splits: tuple[PhraseSplit, ...] = ()
 
-    def of_source(self, source: int) -> Edits:
-        """Without the edits of phrases of other recordings."""
+    def of_source(self, source: int, name: str = "") -> Edits:
+        """Without the edits of phrases of other recordings; those of this one, by number or name, have its number."""
 
         def mine(entries: tuple[P, ...]) -> tuple[P, ...]:
-            return tuple(e for e in entries if e.source == source)
+            return tuple(dataclasses.replace(e, source=source) for e in entries if e.source in (source, name))
 
         return dataclasses.replace(
             self,
@@ -135,8 +142,8 @@ class Edits:
         Raises
         ------
         InputError
-            If a label or a frame is not in the graph (the message lists the labels that are), what is merged cannot be one, or a
-            name is taken.
+            If a label, a frame or a recording is not in the graph (the message lists the labels that are), what is merged cannot
+            be one, or a name is taken.
         """
         return _Editor(graph, self).edited()
 
@@ -199,15 +206,15 @@ def parse(text: str) -> Edits:
             for v, at in _entries(paths, "paths", "split", ("path", "into", "frames", "source"))
         ),
         phrase_names=tuple(
-            PhraseName(_get(v, "frame", int, at), _get(v, "name", str, at), _get(v, "source", int, at, 0))
+            PhraseName(_get(v, "frame", int, at), _get(v, "name", str, at), _source(v, at))
             for v, at in _entries(phrases, "phrases", "rename", ("frame", "name", "source"))
         ),
         phrase_merges=tuple(
-            PhraseMerge(_get(v, "from", int, at), _get(v, "to", int, at), _get(v, "source", int, at, 0))
+            PhraseMerge(_get(v, "from", int, at), _get(v, "to", int, at), _source(v, at))
             for v, at in _entries(phrases, "phrases", "merge", ("from", "to", "source"))
         ),
         phrase_splits=tuple(
-            PhraseSplit(_get(v, "frame", int, at), _get(v, "source", int, at, 0))
+            PhraseSplit(_get(v, "frame", int, at), _source(v, at))
             for v, at in _entries(phrases, "phrases", "split", ("frame", "source"))
         ),
     )
@@ -226,10 +233,14 @@ class _Editor:
 
     def edited(self) -> MotionGraph:
         edits, graph = self.edits, self.graph
-        state_names = [(graph.state(label).id, name) for label, name in edits.state_names.items()]
-        path_names = [(graph.path(label).id, name) for label, name in edits.path_names.items()]
-        state_merges = [(graph.state(m.keep).id, graph.state(o).id) for m in edits.state_merges for o in m.others]
-        path_merges = [(graph.path(m.keep).id, graph.path(o).id) for m in edits.path_merges for o in m.others]
+        for which in (
+            e.source for part in (edits.phrase_names, edits.phrase_merges, edits.phrase_splits) for e in part
+        ):
+            self._source(which)
+        state_names = [(self._state(label).id, name) for label, name in edits.state_names.items()]
+        path_names = [(self._path(label).id, name) for label, name in edits.path_names.items()]
+        state_merges = [(self._state(m.keep).id, self._state(o).id) for m in edits.state_merges for o in m.others]
+        path_merges = [(self._path(m.keep).id, self._path(o).id) for m in edits.path_merges for o in m.others]
         for split in edits.path_splits:
             self._split_path(split)
         for split in edits.state_splits:
@@ -238,32 +249,111 @@ class _Editor:
             self._merge_states(self._now(keep), self._now(other))
         for keep, other in path_merges:
             self._merge_paths(self._now_path(keep), self._now_path(other))
-        for state, name in state_names:
-            self._name_state(self._now(state), name)
-        for path, name in path_names:
-            self._name_path(self._now_path(path), name)
+        for state, name in self._once((self._now(s), name) for s, name in state_names):
+            self._name_state(state, name)
+        for path, name in self._once((~self._now_path(p), name) for p, name in path_names):
+            self._name_path(~path, name)
         states = tuple(self.states.values())
         paths = label_paths(states, self.paths.values())
         named = tuple(dataclasses.replace(p, label=self.path_names.get(p.id, p.label)) for p in paths)
         return MotionGraph(states, named, graph.sources)
 
+    def _once(self, names: Iterable[tuple[int, str]]) -> Iterator[tuple[int, str]]:
+        """States, or paths as `_now` counts them, with their names; refused where one is to have two, it or its mirror image."""
+        given: dict[int, str] = {}
+        for which, name in names:
+            thing = self.states[which] if which >= 0 else self.paths[~which]
+            pair = thing.id if thing.mirror_of is None else min(thing.id, thing.mirror_of)
+            if given.setdefault(pair, name) != name:
+                what = "state" if which >= 0 else "path"
+                raise InputError(
+                    f"One {what}, with its mirror image, would be called both '{given[pair]}' and '{name}'."
+                )
+            yield which, name
+
+    # what a label or a frame in its place speaks of: always in the graph without the edits
+
+    def _source(self, which: int | str) -> int:
+        """The number of a recording."""
+        sources = self.graph.sources
+        if isinstance(which, str):
+            numbers = [k for k, s in enumerate(sources) if s.name == which]
+            if len(numbers) != 1:
+                known = ", ".join(f"'{s.name}'" for s in sources)
+                why = "no recording is" if not numbers else "several recordings are: give its number, from 0, instead"
+                raise InputError(f"The edits speak of a recording '{which}'; {why}. Recordings: {known}.")
+            return numbers[0]
+        self.graph.timeline(which)  # refuses a source that does not exist
+        return which
+
+    def _at(self, label: str) -> tuple[int, int] | None:
+        """Source and frame, where a frame stands in the place of a label."""
+        found = _FRAME.fullmatch(label)
+        if found is None:
+            return None
+        named = found.group(1)
+        source = self._source(int(named) if named.isdecimal() else named or 0)
+        frame, frames = int(found.group(2)), self.graph.sources[source].frames
+        if frame >= frames:
+            raise InputError(f"The edits speak of frame {frame} of source {source}, which has {frames} frames.")
+        return source, frame
+
+    def _known(self, find: Callable[[str], T], label: str) -> T:
+        try:
+            return find(label)
+        except InputError as error:
+            raise InputError(
+                f"{error} Labels may change with the choice of recordings and with weights; a frame in their place, "
+                'such as "@812", does not.'
+            ) from None
+
+    def _state(self, label: str) -> State:
+        at = self._at(label)
+        if at is None:
+            return self._known(self.graph.state, label)
+        source, frame = at
+        held = [s for s in self.graph.states for r in s.stays if r.source == source and r.start <= frame < r.end]
+        if held:
+            return held[0]
+        steps = self._timeline(source, self.graph.paths)
+        states = [(abs(middle - frame), self._state_at(steps, k)) for k, middle in self._visits(steps)]
+        nearest = min(((apart, s) for apart, s in states if s is not None), default=None)
+        if nearest is None:
+            raise InputError(f"No state is visited in source {source}: '{label}' speaks of none.")
+        return self.graph.state(nearest[1])
+
+    def _path(self, label: str) -> Path:
+        at = self._at(label)
+        if at is None:
+            return self._known(self.graph.path, label)
+        source, frame = at
+        for path, occurrence in self._timeline(source, self.graph.paths):
+            if path is not None and occurrence is not None and occurrence.start <= frame < occurrence.end:
+                return path
+        raise InputError(f"No path is traversed at frame {frame} of source {source}: a state is held there.")
+
     # states
 
     def _split_state(self, split: Split) -> None:
-        state = self.graph.state(split.label)
-        timeline = self._timeline(split.source)
-        visits = [(k, frame) for k, frame in self._visits(timeline) if self._state_before(timeline, k) == state.id]
+        state, source = self._state(split.label), self._source(split.source)
+        timeline = self._timeline(source)
+        before = self._timeline(source, self.graph.paths)
+        visits = [(k, frame) for k, frame in self._visits(before) if self._state_at(before, k) == state.id]
         if not visits:
-            raise InputError(
-                f"State '{state.label}' is not visited in source {split.source}: it cannot be split there."
-            )
+            raise InputError(f"State '{state.label}' is not visited in source {source}: it cannot be split there.")
         chosen = {min(visits, key=lambda v: abs(v[1] - frame))[0] for frame in split.frames}
-        elsewhere = sum(s.source != split.source for s in state.stays) or any(
-            o.source != split.source and state.id in (p.from_, p.to) for p in self.paths.values() for o in p.occurrences
-        )
-        if len(chosen) == len(visits) and not elsewhere:
+        here = [k for k, _ in visits if self._state_at(timeline, k) == state.id]
+        if not chosen <= set(here):
             raise InputError(
-                f"All {len(visits)} visits of '{state.label}' would become '{split.into}': rename it instead."
+                f"A visit of '{state.label}' at frame {', '.join(map(str, split.frames))} of source {source} is split off "
+                "twice: name each visit in one split only."
+            )
+        elsewhere = sum(s.source != source for s in state.stays) or any(
+            o.source != source and state.id in (p.from_, p.to) for p in self.paths.values() for o in p.occurrences
+        )
+        if len(chosen) == len(here) and not elsewhere:
+            raise InputError(
+                f"All {len(here)} visits of '{state.label}' would become '{split.into}': rename it instead."
             )
         new = max(self.states) + 1
         assert split.into is not None
@@ -297,10 +387,9 @@ class _Editor:
         known = self.states[state]
         return state if known.symmetric else known.mirror_of
 
-    def _timeline(self, source: int) -> list[tuple[Path | None, Occurrence | None]]:
-        """Path and occurrence of each step as the graph now is; stays are left out: they are at the boundaries."""
-        self.graph.timeline(source)  # refuses a source that does not exist
-        steps = [(p, o) for p in self.paths.values() for o in p.occurrences if o.source == source]
+    def _timeline(self, source: int, paths: Iterable[Path] = ()) -> list[tuple[Path | None, Occurrence | None]]:
+        """Path and occurrence of each step, as the graph now is or of other paths; without stays: they are at the boundaries."""
+        steps = [(p, o) for p in paths or self.paths.values() for o in p.occurrences if o.source == source]
         return [*sorted(steps, key=lambda step: step[1].start)]
 
     def _visits(self, timeline: Sequence[tuple[Path | None, Occurrence | None]]) -> list[tuple[int, float]]:
@@ -318,7 +407,7 @@ class _Editor:
                 out.append((k, 0.5 * (start + end)))
         return out
 
-    def _state_before(self, timeline: Sequence[tuple[Path | None, Occurrence | None]], k: int) -> int | None:
+    def _state_at(self, timeline: Sequence[tuple[Path | None, Occurrence | None]], k: int) -> int | None:
         path, occurrence = timeline[k] if k < len(timeline) else timeline[k - 1] if timeline else (None, None)
         if path is None or occurrence is None:
             return None
@@ -391,18 +480,24 @@ class _Editor:
     # paths
 
     def _split_path(self, split: Split) -> None:
-        path = self.graph.path(split.label)
-        self.graph.timeline(split.source)
+        path, source = self._path(split.label), self._source(split.source)
         chosen = []
         for frame in split.frames:
-            found = [o for o in path.occurrences if o.source == split.source and o.start <= frame < o.end]
+            found = [o for o in path.occurrences if o.source == source and o.start <= frame < o.end]
             if not found:
-                when = ", ".join(f"[{o.start}, {o.end})" for o in path.occurrences[:20] if o.source == split.source)
+                when = ", ".join(f"[{o.start}, {o.end})" for o in path.occurrences[:20] if o.source == source)
                 raise InputError(
-                    f"Path '{path.label}' is not traversed at frame {frame} of source {split.source}; it is at {when or 'none'}."
+                    f"Path '{path.label}' is not traversed at frame {frame} of source {source}; it is at {when or 'none'}."
                 )
             chosen += [o for o in found if o not in chosen]
-        if len(chosen) == len(path.occurrences):
+        left = self.paths[path.id].occurrences
+        twice = next((o for o in chosen if o not in left), None)
+        if twice is not None:
+            raise InputError(
+                f"The traversal of '{path.label}' at frames [{twice.start}, {twice.end}) of source {source} is split off "
+                "twice: name each traversal in one split only."
+            )
+        if len(chosen) == len(left):
             raise InputError(f"All traversals of '{path.label}' would be split off: rename it instead.")
         new = self._branch(path.id, chosen, from_=path.from_, to=path.to)
         if split.into is not None:
@@ -529,7 +624,7 @@ def _in_order(occurrences: Iterable[Occurrence]) -> tuple[Occurrence, ...]:
     return tuple(sorted(occurrences, key=lambda o: (o.source, o.start)))
 
 
-def _phrase_at(phrases: Sequence[Phrase], source: int, frame: int) -> int:
+def _phrase_at(phrases: Sequence[Phrase], source: int | str, frame: int) -> int:
     for k, p in enumerate(phrases):
         if p.source == source and p.start <= frame < p.end:
             return k
@@ -566,7 +661,12 @@ def _split(values: Mapping[str, Any], at: str, what: str, *, named: bool) -> Spl
     if not frames or not all(isinstance(f, int) and not isinstance(f, bool) and f >= 0 for f in frames):
         raise InputError(f"Expected a list of frames from 0 in 'frames' of {at}, got {frames!r}.")
     into = _get(values, "into", str, at) if named or "into" in values else None
-    return Split(_get(values, what, str, at), into, tuple(frames), _get(values, "source", int, at, 0))
+    return Split(_get(values, what, str, at), into, tuple(frames), _source(values, at))
+
+
+def _source(values: Mapping[str, Any], at: str) -> int | str:
+    """Number or name of a recording."""
+    return values["source"] if isinstance(values.get("source"), str) else _get(values, "source", int, at, 0)
 
 
 def _entries(

@@ -128,7 +128,7 @@ def read_grammar(
         graph = assembly.assemble(states_and_paths, read, name)
     if seen is not read:
         overall, judged = turned_round(overall, judged, read.source_frames)
-    edited = judged if edits is None else _edited_phrases(read, judged, edits, source)
+    edited = judged if edits is None else _edited_phrases(read, judged, edits, source, name)
     report(1.0, "grammar read")
     return Grammar(
         read, overall, tuple(edited), recurring, repeated, reversals, strikes, graph, (), as_read=tuple(judged)
@@ -219,11 +219,13 @@ def in_order_of_kinds(judged: Sequence[JudgedPhrase]) -> list[JudgedPhrase]:
     return out
 
 
-def _edited_phrases(read: Moments, judged: Sequence[JudgedPhrase], edits: Edits, source: int) -> list[JudgedPhrase]:
+def _edited_phrases(
+    read: Moments, judged: Sequence[JudgedPhrase], edits: Edits, source: int, name: str
+) -> list[JudgedPhrase]:
     """Phrases split, merged and named; what was not judged yet, because a person made it, is judged now."""
     known = {(p.start, p.end): p for p in judged}
     out = []
-    for phrase in edits.of_source(source).apply_to_phrases(Phrase(source, p.start, p.end) for p in judged):
+    for phrase in edits.of_source(source, name).apply_to_phrases(Phrase(source, p.start, p.end) for p in judged):
         same = known.get((phrase.start, phrase.end))
         if same is None:
             part = next(p for p in judged if p.start <= phrase.start < p.end)
