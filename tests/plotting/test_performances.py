@@ -7,6 +7,7 @@ import pytest
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_hex
 from matplotlib.patches import Ellipse, Polygon, Rectangle
+from matplotlib.text import Text
 
 import kinesics as kx
 from kinesics import plotting
@@ -47,6 +48,17 @@ def test_the_trail_runs_over_the_picture_in_blue(walk: kx.Motion) -> None:
     several = plotting.trail_plot(walk, target=[(2.0, 3.0), (0.0, 4.0), (1.0, 1.0)])
     assert len([p for p in several.patches if isinstance(p, Polygon) and to_hex(p.get_facecolor()) == GOAL]) == 6
     assert figure_bytes(ax.figure, ".png").startswith(b"\x89PNG")
+
+
+def test_a_long_title_stays_on_the_paper(walk: kx.Motion) -> None:
+    """In lines, none of which runs out of the picture."""
+    said = "; ".join(f"reached ({k}.00, 3.00) after {k}.5 s" for k in range(9))
+    figure = plotting.trail_plot(walk, title=said).get_figure(root=True)
+    assert figure is not None
+    figure.canvas.draw()
+    (left,) = [t.get_window_extent() for t in figure.findobj(Text) if t.get_text().startswith("reached")]
+    assert left.x1 < figure.bbox.x1
+    assert left.y1 < figure.bbox.y1
 
 
 def test_figures_stand_at_regular_times_where_there_is_room(walk: kx.Motion) -> None:

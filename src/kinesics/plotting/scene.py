@@ -5,6 +5,7 @@ After Figure 82 of [Schultz2012] (§4.4.1), in which the avatar's trail to its t
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
@@ -53,6 +54,10 @@ _LARGER: Final = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 15.0, 20.0, 30.0
 _MOST_DOTS: Final = 60
 _DOT_STEPS: Final = (1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1800.0, 3600.0)
 """Seconds between dots."""
+
+_TITLE_WIDTH: Final = 95
+"""Letters of a title that fit into a line."""
+_TITLE_LINES: Final = 3
 
 _ROUND: Final = np.linspace(0.0, 2.0 * np.pi, 90)
 _RING: Final = np.stack([np.sin(_ROUND), np.cos(_ROUND)], axis=-1)
@@ -131,10 +136,11 @@ def trail_plot(
     step, frames = _frames(motion, trail, every, larger * _APART)
     figures = _enlarged(_figures(motion, frames), trail[frames], larger)
     least, most = _extent(camera, floor, figures)
+    titled = [] if title is None else textwrap.wrap(title, _TITLE_WIDTH, max_lines=_TITLE_LINES, placeholder=" …")
     if ax is None:
         wide, high = most - least
         height = _PAPER * float(high / wide)
-        paper = (_PAPER + 0.2, height + 0.75)
+        paper = (_PAPER + 0.2, height + 0.75 + 0.18 * max(0, len(titled) - 1))
         ax = canvas.own_axes(*paper, rect=(0.1 / paper[0], 0.3 / paper[1], _PAPER / paper[0], height / paper[1]))
     ax.set_aspect("equal", adjustable="box")
     ax.set_xlim(least[0], most[0])
@@ -165,7 +171,7 @@ def trail_plot(
         0.004, -0.01, said, transform=ax.transAxes, fontsize=8.5, color=canvas.INK, ha="left", va="top", clip_on=False
     )
     if title is not None:
-        ax.set_title(title, fontsize=11, loc="left", color=canvas.INK)
+        ax.set_title("\n".join(titled), fontsize=11, loc="left", color=canvas.INK)
     return ax
 
 
