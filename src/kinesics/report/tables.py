@@ -19,7 +19,8 @@ def phrases(analysis: Analysis) -> str:
     """One row a phrase."""
     header = (
         "source start end start_s end_s class group period_s confidence runner_up "
-        "residual_period residual_mirror residual_glide residual_reverse residual_mirror_reverse speed_mean smoothness name kind mirrored"
+        "residual_period residual_mirror residual_glide residual_reverse residual_mirror_reverse speed_mean "
+        "smoothness name kind mirrored"
     )
     return _csv(
         header.split(),
