@@ -165,3 +165,21 @@ def test_the_sun_salutation(fps: float, seed: int) -> None:
     assert graph is not None
     assert graph.isomorphic_to(performed(done.truth))
     assert [p.reversible for p in graph.paths if not p.symmetric] == [False]
+
+
+def test_a_stop_nearly_its_own_mirror_image_is_one_stay() -> None:
+    """Who sways from one side of a nearly symmetric pose to the other while standing is in one state, not in two by turns."""
+    down = np.linspace(1.0, 0.0, 20)
+    sway = 0.04 * np.cos(np.linspace(0.0, np.pi, 4))
+    side = np.concatenate([np.full(20, 0.04), sway, np.full(20, -0.04)])
+    height = np.concatenate([down, np.zeros(4), down[::-1]])
+
+    def half_squared(x: float) -> np.ndarray:
+        return 0.5 * ((side[:, None] - x * side[None, :]) ** 2 + (height[:, None] - height[None, :]) ** 2)
+
+    seen = moments.from_distances(half_squared(1.0), half_squared(-1.0), fps=30.0)
+    state = reading.ReadState(moment=20, symmetric=False, traced=True)
+    visits = reading._visits(reading._Seen(seen, 0.01, ()), [state])
+    assert [(v.state, v.mirrored) for v in visits] == [(0, False)]
+    assert visits[0].start <= 19
+    assert visits[0].end >= 25

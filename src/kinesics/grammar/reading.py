@@ -360,6 +360,12 @@ def _visits(seen: _Seen, states: Sequence[ReadState]) -> list[Visit]:
             before, its_depth = out[-1]
             if (before.state, before.mirrored) == (visit.state, visit.mirrored):
                 continue
+            if before.state == visit.state and visit.at - before.at < ground.STOP_S * seen.moments.fps:
+                # a pose nearer to its mirror image than a state is wide: a stop is a stay in one of them, not a way between
+                start, end = before.start, max(before.end, visit.end)
+                nearer, least = (visit, depth) if depth < its_depth else (before, its_depth)
+                out[-1] = (nearer._replace(start=start, end=end), least)
+                continue
             if visit.at - before.at >= 3:
                 border = (before.at + visit.at + 1) // 2
                 out[-1] = (before._replace(end=min(before.end, border)), its_depth)
