@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -11,14 +12,27 @@ from pathlib import Path
 import jsonschema
 import numpy as np
 import pytest
+import typer
 
 import kinesics as kx
 from kinesics import report
-from kinesics.cli import terminal
+from kinesics.cli import analyze, convert, data, demo, info, perform, terminal
+from kinesics.cli.app import app
 
 from .conftest import Kinesics
 
-COMMANDS = ([], ["demo"], ["info"], ["analyze"], ["convert"], ["data"], ["data", "list"], ["data", "fetch"])
+COMMANDS = (
+    *([], ["demo"], ["info"], ["analyze"], ["perform"], ["convert"]),
+    *(["data"], ["data", "list"], ["data", "fetch"]),
+)
+EXAMPLES = [
+    line
+    for lines in (
+        *(told.EXAMPLES for told in (demo, info, analyze, perform, convert)),
+        *(data.LIST_EXAMPLES, data.FETCH_EXAMPLES),
+    )
+    for line, _ in lines
+]
 
 
 def files(folder: Path) -> set[str]:
@@ -34,6 +48,17 @@ def test_help_fits_a_terminal_of_80_columns_and_shows_examples(kinesics: Kinesic
     if command not in ([], ["data"]):
         assert "Examples" in got.out
         assert "kinesics " + " ".join(command) in got.out.split("Examples")[1]
+
+
+@pytest.mark.parametrize("line", EXAMPLES)
+def test_examples_are_calls_that_the_commands_take(line: str) -> None:
+    """Every option and argument in the examples beneath a command's help is one of its own."""
+    name, *words = shlex.split(line)
+    assert name == "kinesics"
+    command = typer.main.get_command(app)
+    while hasattr(command, "commands"):
+        command = command.commands[words.pop(0)]
+    command.make_context(line, words).close()
 
 
 def test_version(kinesics: Kinesics) -> None:
