@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -386,6 +387,14 @@ def test_a_target_that_was_not_reached_is_told_with_advice(walks: list[kx.Motion
     behind = kx.performance(walks[0], target=(0, -4), seconds=10, bend=0)
     assert not behind.attained
     assert "turn more" in behind.motion.warnings[0]
+
+
+def test_little_to_choose_from_is_told() -> None:
+    """Two seconds performed for half a minute repeat themselves, whatever is wished."""
+    short = kx.performer.walk(seconds=3, fps=30).motion
+    (doubt,) = kx.perform(short, seconds=30).warnings
+    assert re.match(r"every moment comes about [56] times: only 5\.\d s can be performed, mirror images counted", doubt)
+    assert kx.perform(short, seconds=10).warnings == ()
 
 
 def test_a_recording_that_nothing_leads_to_is_named(walks: list[kx.Motion]) -> None:

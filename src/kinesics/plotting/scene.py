@@ -55,7 +55,7 @@ _MOST_DOTS: Final = 60
 _DOT_STEPS: Final = (1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1800.0, 3600.0)
 """Seconds between dots."""
 
-_TITLE_WIDTH: Final = 95
+_TITLE_WIDTH: Final = 108
 """Letters of a title that fit into a line."""
 _TITLE_LINES: Final = 3
 

@@ -44,6 +44,8 @@ DETOUR: Final = 3.0
 """Times the straight way that is allowed for a goal if no time is given."""
 SETTLING: Final = 10.0
 """Seconds allowed besides, to turn round and to come to a stand."""
+REPEATED: Final = 5.0
+"""Times that every moment comes, from which it is said that there is little to choose from."""
 STAYING: Final = 0.05
 """Metres a second: recordings that never get about faster stay in place."""
 
@@ -375,6 +377,13 @@ def _doubts(piece: Piece, wish: Wish, ahead: Prospects, most: float, seconds: fl
         "ones or a larger threshold would join it"
         for name in dict.fromkeys(p.recording for p in piece.pruned if p.everything)
     ]
+    repeated = piece.motion.duration / piece.network.seconds
+    if not wish.ends and repeated >= REPEATED:
+        out.append(
+            f"every moment comes about {repeated:.0f} times: only {piece.network.seconds:.1f} s can be performed"
+            f"{', mirror images counted' if piece.parameters['mirrored'] else ''}; give longer recordings, or more that are like "
+            "one another"
+        )
     if wish.attainable and not piece.attained:
         told = "; ".join(piece.outcome) or "the goal was not attained"
         pace = _pace(ahead)
