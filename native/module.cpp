@@ -7,6 +7,7 @@ void bind_similarity(nb::module_ &m);
 void bind_kinematics(nb::module_ &m);
 void bind_paths(nb::module_ &m);
 void bind_ground(nb::module_ &m);
+void bind_togo(nb::module_ &m);
 #ifdef KINESICS_TEXT
 void bind_text(nb::module_ &m);
 #endif
@@ -17,6 +18,7 @@ NB_MODULE(_native, m) {
     bind_kinematics(m);
     bind_paths(m);
     bind_ground(m);
+    bind_togo(m);
 #ifdef KINESICS_TEXT
     bind_text(m);
 #endif

@@ -107,6 +107,25 @@ def localise(
     Returns how many places there are on the ground now, the place of the last moment (−1: none), and whether it is mirrored.
     """
 
+def seconds_by(
+    tables: _Floats,
+    kinds: NDArray[np.int64],
+    paths: NDArray[np.int32],
+    places: _Floats,
+    swerve: _Floats,
+    headings: _Floats,
+    travelled: _Floats,
+    times: _Floats,
+    bends: _Floats,
+    target_z: float,
+    target_x: float,
+    per_fold: float,
+    farthest: float,
+    slowness: float,
+    out: _Floats,
+) -> None:
+    """Fill ``out`` with the seconds to a target by each trail (columns), bent by each of ``bends`` (rows), and on from its end."""
+
 def parse_rows(data: bytes, start: int, columns: int) -> tuple[_Doubles, int]:
     """Rows of numbers, one a line; and the byte where the first line begins that is not one, or −1."""
 

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
 import pytest
 
 from floor_networks import Path, floor_network
+from kinesics import compiled
 from kinesics.synthesis.controller import perform_paths
 from kinesics.synthesis.goals import Target
 from kinesics.synthesis.network import Network
 from kinesics.synthesis.prospects import prospects
 from kinesics.synthesis.togo import KNOTS, ToGo
+from naive import togo as naive
 
 PACE = 1.25
 RADIUS = 0.5
@@ -111,3 +114,30 @@ def test_what_was_computed_once_is_kept() -> None:
     bundle = prospects(walking(ahead=0.0, left=0.1))
     assert bundle.to_go(RADIUS, 0.0) is bundle.to_go(RADIUS, 0.0)
     assert bundle.to_go(RADIUS, 0.0) is not bundle.to_go(RADIUS, 0.1)
+
+
+@pytest.mark.parametrize("declined", ["", "1"])
+def test_looked_up_as_the_twin_does(monkeypatch: pytest.MonkeyPatch, rng: np.random.Generator, declined: str) -> None:
+    """Compiled or not: seconds by trails, bent either way, to targets near and beyond the tables, all around."""
+    monkeypatch.setenv("KINESICS_NO_NATIVE", declined)
+    ready = prospects(walking(left=0.2, right=-0.15, ahead=0.0))
+    ahead = ready.to_go(RADIUS, 0.1)
+    bends = np.array([0.0, -0.1, 0.1], dtype=np.float32)
+    for rows in (slice(None), slice(5, 6)):
+        trail = ready.along(rows)
+        ends = [complex(place) for place in trail.places[:3, -1]]
+        for target in [0j, -4.0 + 0j, *ends, *(complex(*v) for v in rng.normal(0.0, 6.0, (12, 2)))]:
+            found = ahead.by(trail, target, bends)
+            assert found.shape == (3, len(trail.places))
+            for b, row in itertools.product(range(3), range(0, len(trail.places), 7)):
+                twin = naive.seconds_by(ahead, trail, row, target, float(bends[b]))
+                assert found[b, row] == pytest.approx(twin, rel=1e-4, abs=1e-4)
+
+
+@pytest.mark.skipif(compiled.native is None, reason="built without the compiled module")
+def test_what_does_not_fit_is_not_looked_up() -> None:
+    """Paths that there are no tables for are refused by the compiled module too."""
+    ready = prospects(walking(left=0.2, ahead=0.0))
+    ahead, trail = ready.to_go(RADIUS, 0.0), ready.along(slice(0, 4))
+    with pytest.raises(ValueError, match="seconds_by"):
+        ahead.by(trail._replace(playing=trail.playing + 100), 1j, np.zeros(1, dtype=np.float32))

@@ -160,7 +160,9 @@ class LiveRenderer:
     def _begin(self, chosen: int | tuple[int, float]) -> None:
         network, repertoire = self.network, self.network.repertoire
         if isinstance(chosen, tuple) and (len(chosen) != 2 or not math.isfinite(chosen[1])):
-            raise InputError(f"Expected a path, or a pair of one and finite radians that it is bent by, got {chosen!r}.")
+            raise InputError(
+                f"Expected a path, or a pair of one and finite radians that it is bent by, got {chosen!r}."
+            )
         path, bend = chosen if isinstance(chosen, tuple) else (chosen, 0.0)
         path = int(path)
         if not 0 <= path < len(network):

@@ -25,6 +25,8 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from kinesics import compiled
+
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
@@ -67,6 +69,35 @@ class ToGo:
         """Whether no way was found to a target z + i·x metres away, seen by one who has just played a path."""
         seconds = self.after(np.array([path]), np.array([target], dtype=np.complex64), np.zeros(1, dtype=np.float32))
         return bool(seconds[0] > abs(target) / self.pace + self.detour)
+
+    def by(self, trail: Trail, target: complex, bends: Floats) -> Floats:
+        """Seconds to a target z + i·x metres away, by each of the trails and on from its end, if it is bent by each of
+        ``bends`` (n,), radians a metre: shape (n, rows).
+        """
+        if not compiled.wanted():
+            bend = bends[:, None]
+            there = trail.places[:, -1] + bend * trail.swerve[:, -1]
+            turned = trail.headings[:, -1] + bend * trail.travelled[:, -1]
+            return trail.times[:, -1] + self.after(trail.playing[:, -1], np.complex64(target) - there, turned)
+        out = np.empty((len(bends), len(trail.places)), dtype=np.float32)
+        compiled.native.seconds_by(
+            self.seconds,
+            self.kind,
+            trail.playing[:, -1],
+            trail.places.view(np.float32)[:, -2:],
+            trail.swerve.view(np.float32)[:, -2:],
+            trail.headings[:, -1],
+            trail.travelled[:, -1],
+            trail.times[:, -1],
+            bends,
+            target.real,
+            target.imag,
+            PER_FOLD,
+            KNOTS[-1],
+            1.0 / self.pace,
+            out,
+        )
+        return out
 
     def after(self, paths: Indices, target: Complexes, turned: Floats) -> Floats:
         """Seconds to targets z + i·x metres away, for those who have just played each path and are turned by so many radians."""

@@ -234,12 +234,7 @@ class ToPlaces(_Seeking):
             square = off.real**2 + off.imag**2
             late = LATE * np.maximum(self._pace * trail.times - straight, 0.0)
             met = np.where(square <= max(self._radius, LEAST_RADIUS) ** 2, square + late**2, np.inf)
-        bend: Floats = np.asarray(bends, dtype=np.float32)[:, None]
-        there = trail.places[:, -1] + bend * trail.swerve[:, -1]
-        turned = trail.headings[:, -1] + bend * trail.travelled[:, -1]
-        seconds = trail.times[:, -1] + self._all.to_go(self._radius, most).after(
-            trail.playing[:, -1], target - there, turned
-        )
+        seconds = self._all.to_go(self._radius, most).by(trail, complex(target), np.asarray(bends, dtype=np.float32))
         late = LATE * np.maximum(self._pace * seconds - straight, 0.0)
         return met, late**2 + (self._radius / 2.0) ** 2, bent
 
