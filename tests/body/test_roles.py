@@ -131,7 +131,17 @@ NAMINGS: dict[str, tuple[str, dict[str, str]]] = {
         ),
         {"left_humerus": "upper_arm.L", "right_tibia": "shin.R", "left_clavicle": "shoulder.L"},
     ),
+    "leg and shin": (
+        "Hips:- Spine:Hips Chest:Spine Neck:Chest Head:Neck "
+        + " ".join(
+            f"{s}Leg:Hips {s}Shin:{s}Leg {s}Foot:{s}Shin {s}Shoulder:Chest {s}Elbow:{s}Shoulder {s}Wrist:{s}Elbow"
+            for s in ("Left", "Right")
+        ),
+        {"left_femur": "LeftLeg", "right_tibia": "RightShin", "left_humerus": "LeftShoulder"},
+    ),
 }
+NAMELESS = {"unreal", "rigify", "leg and shin"}
+"""Understood, but called by no name of their own."""
 
 
 def tree(text: str) -> Skeleton:
@@ -166,6 +176,7 @@ def test_known_namings_are_understood(naming: str) -> None:
     skeleton = tree(text)
     named = roles.identify(skeleton).named(skeleton)
     assert {role: named.get(role) for role in expected} == expected
+    assert joint_names.naming_of(skeleton) == ("left-right" if naming in NAMELESS else naming)
     for side, letter in (("left", "l"), ("right", "r")):
         for part in ("femur", "tibia", "humerus", "radius"):
             assert joint_names.split_name(named[f"{side}_{part}"]).side == side, (letter, named)
