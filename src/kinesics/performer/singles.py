@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from typing import Unpack
 
@@ -14,7 +15,7 @@ from kinesics.performer.key_graph import KeyGraph, KeyPath, KeyState, mirrored_p
 from kinesics.performer.postures import STANDING, posture
 from kinesics.performer.score import check_number
 from kinesics.performer.stage import Conditions, perform_score
-from kinesics.performer.traversal import Step, traversal_score
+from kinesics.performer.traversal import parse_step, traversal_score
 from kinesics.performer.truth import Performance
 
 Array = NDArray[np.float64]
@@ -31,8 +32,8 @@ def _once(
     conditions: Conditions,
 ) -> Performance:
     rest = (seconds - period) / 2.0
-    taken = [Step(s.lstrip("<"), reversed=s.startswith("<")) for s in steps]
-    taken[-1] = Step(taken[-1].path, taken[-1].reversed, hold=rest)
+    *first, last = map(parse_step, steps)
+    taken = [*first, dataclasses.replace(last, hold=rest)]
     score = traversal_score(graph, taken, seconds=seconds, first_hold=rest, tempo_jitter=tempo_jitter, seed=seed)
     return perform_score(score, fps=fps, seed=seed, **conditions)
 
