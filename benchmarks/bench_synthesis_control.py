@@ -1,6 +1,6 @@
 """The controller on CMU walks: targets in any direction, routes, what mirrored copies are worth, time for a decision.
 
-    python benchmarks/bench_synthesis_control.py [--json FILE]
+    python benchmarks/bench_synthesis_control.py [--json FILE] [--only decisions]
 
 Everything is measured on the way of the root over the floor. Networks are made from the walks of the data folder at 30 frames a
 second. Targets lie 3-8 m away in any direction, drawn by seed. A trial begins with any path as recorded, drawn by seed (so it may
@@ -280,4 +280,4 @@ def run() -> list[Table]:
 
 
 if __name__ == "__main__":
-    main(run)
+    main(run, parts={"decisions": lambda: [decisions(read(WALKS))] if data_folder() else []})
