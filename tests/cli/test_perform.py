@@ -168,7 +168,7 @@ def test_what_cannot_be_is_one_message(
 
 @pytest.mark.parametrize(
     ("frames", "says"),
-    [(1, "short is a single pose"), (2, "short lasts 0.067 s, 2 frames"), (12, "short lasts 0.4 s, 12 frames")],
+    [(1, "short is a single pose"), (2, "'short' lasts 0.067 s, 2 frames"), (12, "'short' lasts 0.4 s, 12 frames")],
 )
 def test_too_few_frames_are_told(kinesics: Kinesics, walk: Path, tmp_path: Path, frames: int, says: str) -> None:
     """How many they are and how many it takes, and not what follows from it inside."""
@@ -289,7 +289,7 @@ def test_what_was_left_out_and_missed_is_said(kinesics: Kinesics, circle: Path, 
     kx.write(kx.performer.jumping_jacks(seconds=4, fps=60).motion, tmp_path / "jacks.bvh")
     got = kinesics("perform", circle, "jacks.bvh", "--out", "new.bvh", "--target=-30,-2", "--seconds", "3")
     assert got.code == 0
-    assert "nothing is performed of jacks" in got.out
+    assert "nothing is performed of 'jacks'" in got.out
     assert "resampled to 30 frames a second: jacks.bvh" in got.out
     assert "target 30 m to the right, 2 m behind" in got.out
     assert "did not reach (-30.00, -2.00)" in got.out

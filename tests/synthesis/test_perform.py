@@ -207,7 +207,8 @@ def test_what_was_pruned_cannot_be_favoured_and_is_told_so(walks: list[kx.Motion
     """It is there, but nothing leads to it and back: another word than "unknown"."""
     jacks = kx.performer.jumping_jacks(seconds=4, fps=30).motion.replace(name="jacks")
     with pytest.raises(
-        kx.InputError, match=r"Nothing can be performed of (jacks|cyclic-symmetric-palindromic), which is to be"
+        kx.InputError,
+        match=r"Nothing can be performed of '(jacks|cyclic-symmetric-palindromic)', which is to be.* perform from it alone",
     ):
         kx.perform([walks[0], jacks], favour=word, seconds=3)
 
@@ -401,8 +402,11 @@ def test_a_recording_that_nothing_leads_to_is_named(walks: list[kx.Motion]) -> N
     """Unconnected clips: the larger part is performed, and the other one told."""
     jacks = kx.performer.jumping_jacks(seconds=4, fps=30).motion.replace(name="jacks")
     made = kx.performance([walks[0], jacks], seconds=3)
-    assert any("nothing is performed of jacks" in line for line in made.motion.warnings)
+    assert any("nothing is performed of 'jacks'" in line for line in made.motion.warnings)
     assert any(p.recording == "jacks" and p.everything for p in made.pruned)
+    faster = kx.performer.jumping_jacks(seconds=4, fps=30, period=0.7).motion.replace(name="faster")
+    (doubt,) = kx.perform([walks[0], jacks, faster], seconds=3).warnings
+    assert doubt.startswith("nothing is performed of 'jacks', 'faster': no transition")
 
 
 def test_work_can_be_stopped_and_reports_rising_shares(walks: list[kx.Motion]) -> None:

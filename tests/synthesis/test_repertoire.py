@@ -167,9 +167,9 @@ def test_what_cannot_be_performed_is_refused() -> None:
         repertoire([walk], fps=1.0)
     with pytest.raises(InputError, match=r"walk has 2 frames a second, fewer than the 8"):
         repertoire([walk.replace(fps=2.0)])
-    with pytest.raises(InputError, match=r"Too short to perform from: walk lasts 0.2 s, 12 frames"):
+    with pytest.raises(InputError, match=r"Too short to perform from: 'walk' lasts 0.2 s, 12 frames"):
         repertoire([walk[:12]])
-    with pytest.raises(InputError, match=r"Too short to perform from: walk, walk \(2\) last 0.2 s at most"):
+    with pytest.raises(InputError, match=r"Too short to perform from: 'walk', 'walk \(2\)' last 0.2 s at most"):
         repertoire([walk[:12], walk[:5]])
     stick = Skeleton(("a", "b"), (-1, 0), np.array([[0.0, 0.0, 0.0], [0.0, 1.0, 0.0]]))
     pole = Motion(stick, quaternion.identity((5, 2)), np.zeros((5, 3)), 30.0, name="pole")

@@ -325,10 +325,11 @@ def _summarize(piece: Piece) -> None:
         f"  {piece.mirrored_share:.0%} of it mirrored"
         + (f", {piece.backwards_share:.0%} backwards" if piece.parameters["backwards"] else "")
     )
-    if piece.network.seconds > 0.0 and not piece.outcome:
+    times = motion.duration / piece.network.seconds
+    if not piece.outcome:
         console.print(
-            f"  {piece.network.seconds:.1f} s to choose from: every moment comes {motion.duration / piece.network.seconds:.1f} "
-            "times on the average"
+            f"  {piece.network.seconds:.1f} s to choose from"
+            + (f": every moment comes about {times:.1f} times" if times > 1.2 else "")
         )
     lost = sum(p.seconds * (p.strand.count(" and ") + 1) for p in piece.pruned)
     if lost > 0.0:

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from kinesics.body import anatomy
 from kinesics.body.motion import Motion
 from kinesics.body.skeleton import Skeleton
-from kinesics.errors import InputError, SkeletonError
+from kinesics.errors import InputError, SkeletonError, some_of
 from kinesics.progress import Progress, silent
 from kinesics.synthesis import goals
 from kinesics.synthesis import network as networks
@@ -372,11 +372,13 @@ def _hopeless(piece: Piece, wish: Wish, ahead: Prospects) -> bool:
 
 def _doubts(piece: Piece, wish: Wish, ahead: Prospects, most: float, seconds: float | None) -> tuple[str, ...]:
     """What did not go as wished, and what helps."""
-    out = [
-        f"nothing is performed of {name}: no transition leads there and back again; recordings nearer to the others, longer "
-        "ones or a larger threshold would join it"
-        for name in dict.fromkeys(p.recording for p in piece.pruned if p.everything)
-    ]
+    out = []
+    none_of = list(dict.fromkeys(p.recording for p in piece.pruned if p.everything))
+    if none_of:
+        out.append(
+            f"nothing is performed of {some_of(none_of, 8)}: no transition leads there and back again; recordings nearer to the "
+            "others, longer ones or a larger `threshold` (--threshold) would join it"
+        )
     repeated = piece.motion.duration / piece.network.seconds
     if not wish.ends and repeated >= REPEATED:
         out.append(

@@ -23,7 +23,7 @@ from kinesics.body.motion import Motion
 from kinesics.body.pose import PoseSequence, poses
 from kinesics.body.retargeting import body_of, retarget
 from kinesics.body.skeleton import Skeleton
-from kinesics.errors import InputError, SkeletonError
+from kinesics.errors import InputError, SkeletonError, some_of
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -248,7 +248,7 @@ def repertoire(
     longest = max(m.duration for m in motions)
     if longest < LEAST_SECONDS:
         raise InputError(
-            f"Too short to perform from: {_shown(names)} {'lasts' if len(names) == 1 else 'last'} {longest:.2g} s"
+            f"Too short to perform from: {some_of(names)} {'lasts' if len(names) == 1 else 'last'} {longest:.2g} s"
             f"{'' if len(names) == 1 else ' at most'}, {max(m.frame_count for m in motions)} frames. Give recordings of some "
             f"seconds ({LEAST_SECONDS:g} s at the very least), in which the movement recurs."
         )
@@ -340,21 +340,17 @@ def _rate(fps: float | None, motions: Sequence[Motion], names: Sequence[str]) ->
 def _root_put(before: Skeleton, after: Skeleton) -> list[str]:
     """That the root joint lies in the pelvis, where in the recordings it does not: a stand on the floor, for one."""
     assert after.anatomy is not None
-    path = [joint := after.anatomy.pelvis]
-    while after.parents[joint] > 0:
-        path.append(joint := after.parents[joint])
-    away = float(np.linalg.norm(sum(before.offsets[j] for j in path))) if after.anatomy.pelvis else 0.0
-    if away < LIFTED:
+    joint, away = after.anatomy.pelvis, np.zeros(3)
+    while joint > 0:
+        away = away + before.offsets[joint]
+        joint = before.parents[joint]
+    if np.linalg.norm(away) < LIFTED:
         return []
     root, pelvis = after.joint_names[0], after.joint_names[after.anatomy.pelvis]
     return [
-        f"performed with the root joint, {root}, in the pelvis: its place is that of {pelvis}, which has none of its own; in the "
-        f"recordings on this skeleton it lies elsewhere, {away:.2f} m away at rest"
+        f"performed with the root joint, {root}, in the pelvis: its place is that of {pelvis}, which has none of its own; "
+        "recordings on this skeleton have it elsewhere, as a stand"
     ]
-
-
-def _shown(names: Sequence[str]) -> str:
-    return ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
 
 
 def _understood(motion: Motion, name: str) -> Motion:

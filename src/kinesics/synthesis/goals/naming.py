@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from kinesics.errors import InputError
+from kinesics.errors import InputError, some_of
 
 if TYPE_CHECKING:
     from kinesics.synthesis.network import Network
@@ -79,10 +79,11 @@ def with_word(word: str, names: Iterable[str], *, whole: bool = False) -> list[s
 
 def unusable(names: Sequence[str]) -> InputError:
     """That nothing can be performed of what is favoured, and what helps."""
-    listed = ", ".join(names[:_SEVERAL]) + (f" and {len(names) - _SEVERAL} more" if len(names) > _SEVERAL else "")
+    it = "it" if len(names) == 1 else "them"
     return InputError(
-        f"Nothing can be performed of {listed}, which is to be favoured: no transition leads there and back again. Give "
-        "recordings nearer to it or longer ones, a larger `threshold` (--threshold), or that recording alone."
+        f"Nothing can be performed of {some_of(names, _SEVERAL)}, which {'is' if len(names) == 1 else 'are'} to be favoured: no "
+        f"transition leads there and back again. Give recordings nearer to {it} or longer ones, a larger `threshold` "
+        f"(--threshold), or perform from {it} alone."
     )
 
 
@@ -97,6 +98,7 @@ def unknown(what: str, name: str, known: Iterable[str]) -> str:
     # one word of a name may be meant as well as all of it
     near = difflib.get_close_matches(name, there, n=3, cutoff=0.5)
     words = {word: full for full in reversed(there) for word in _words(full).split() if len(word) > 2}
+    near += [full for part in _words(name).split() for full in with_word(part, there) if full not in near]
     near += [words[w] for w in difflib.get_close_matches(name.lower(), words, n=3, cutoff=0.7) if words[w] not in near]
     listed = ", ".join(there[:_LISTED]) + (f" and {len(there) - _LISTED} more" if len(there) > _LISTED else "")
     return (
