@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from kinesics.body import joint_names, mirroring, roles
+from kinesics.body import tree as tree_of_joints
 from kinesics.body.skeleton import EndSite, Skeleton
 from kinesics.errors import InputError, SkeletonError
 
@@ -263,3 +264,26 @@ def test_end_sites_do_not_disturb() -> None:
     """Tips hang on joints and are no joints."""
     skeleton = tree(NAMINGS["smpl"][0]).replace(end_sites=(EndSite(5, (0.0, 0.1, 0.0)),))
     assert skeleton.joint_names[roles.identify(skeleton).head] == "Head"
+
+
+def test_the_longest_way_down_is_that_of_all_ways(rng: np.random.Generator) -> None:
+    """For each joint the greatest sum of bone lengths to any joint or tip below it."""
+    parents = (-1, *(int(rng.integers(0, k)) for k in range(1, 30)))
+    tips = tuple(EndSite(j, (0.0, float(j), 1.0)) for j in (3, 17, 29))
+    skeleton = Skeleton(tuple(f"j{k}" for k in range(30)), parents, rng.normal(size=(30, 3)), tips)
+    below = [0.0] * 30
+    for joint, last in [(j, 0.0) for j in range(30)] + [(t.parent, float(np.linalg.norm(t.offset))) for t in tips]:
+        length = last
+        while joint >= 0:
+            below[joint] = max(below[joint], length)
+            length += float(np.linalg.norm(skeleton.offsets[joint]))
+            joint = parents[joint]
+    np.testing.assert_allclose(tree_of_joints.reaches(skeleton), below, rtol=1e-12)
+
+
+def test_a_forked_skeleton_as_deep_as_a_well_is_looked_at() -> None:
+    """Two branches of two thousand joints are no body, and no recursion either."""
+    parents = (-1, 0, *range(1, 2000), 0, *range(2001, 4000))
+    skeleton = Skeleton(tuple(f"j{k}" for k in range(4001)), parents, np.ones((4001, 3)))
+    with pytest.raises(SkeletonError, match="cannot be understood"):
+        roles.identify(skeleton, np.ones((1, 4001, 3)))

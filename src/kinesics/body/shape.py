@@ -6,13 +6,15 @@ head. Which side is left follows from which way the feet (else the knees) point:
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import combinations
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.body.skeleton import Skeleton
-from kinesics.body.tree import ancestors, reach
+from kinesics.body.tree import ancestors, reaches
 
 Array = NDArray[np.float64]
 Limb = tuple[int, int, int | None]
@@ -28,20 +30,21 @@ def by_shape(skeleton: Skeleton, positions: Array) -> dict[str, int] | None:
     Two pairs of equal branches: the longer, lower pair are legs, the other arms; what goes on upwards past the arms is the
     head. Which side is left follows from which way the feet (else the knees) point.
     """
-    paths = _branch_pairs(skeleton)
+    reach = reaches(skeleton)
+    paths = _branch_pairs(skeleton, reach)
     best: tuple[float, dict[str, int]] | None = None
     for at_legs, legs in paths:
         for at_arms, arms in paths:
             above = ancestors(skeleton, at_arms)
             if at_legs not in above or any(leg in (at_arms, *above) for leg in legs):
                 continue
-            leg_reach, arm_reach = reach(skeleton, legs[0]), reach(skeleton, arms[0])
+            leg_reach, arm_reach = reach[legs[0]], reach[arms[0]]
             if not 0.35 < arm_reach / max(leg_reach, 1e-9) < 1.6:
                 continue
-            head = _head_above(skeleton, at_arms, arms)
+            head = _head_above(skeleton, reach, at_arms, arms)
             if head is None:
                 continue
-            limbs = [_limb_joints(skeleton, branch) for branch in (*legs, *arms)]
+            limbs = [_limb_joints(skeleton, reach, branch) for branch in (*legs, *arms)]
             if any(limb is None for limb in limbs):
                 continue
             leg_p, leg_q, arm_p, arm_q = (limb for limb in limbs if limb is not None)
@@ -72,26 +75,24 @@ def by_shape(skeleton: Skeleton, positions: Array) -> dict[str, int] | None:
     return None if best is None else best[1]
 
 
-def _branch_pairs(skeleton: Skeleton) -> list[tuple[int, tuple[int, int]]]:
+def _branch_pairs(skeleton: Skeleton, reach: Sequence[float]) -> list[tuple[int, tuple[int, int]]]:
     """Pairs of branches of (nearly) equal reach that leave the same joint."""
-    out = []
-    for j, children in enumerate(skeleton.children):
-        for i, a in enumerate(children):
-            for b in children[i + 1 :]:
-                reach_a, reach_b = reach(skeleton, a), reach(skeleton, b)
-                if min(reach_a, reach_b) > 0 and abs(reach_a - reach_b) < 0.12 * max(reach_a, reach_b):
-                    out.append((j, (a, b)))
-    return out
+    return [
+        (j, (a, b))
+        for j, children in enumerate(skeleton.children)
+        for a, b in combinations(children, 2)
+        if min(reach[a], reach[b]) > 0 and abs(reach[a] - reach[b]) < 0.12 * max(reach[a], reach[b])
+    ]
 
 
-def _limb_joints(skeleton: Skeleton, branch: int) -> Limb | None:
+def _limb_joints(skeleton: Skeleton, reach: Sequence[float], branch: int) -> Limb | None:
     """Upper, lower and end joint of a limb: the two longest bones one after the other along its longest way."""
     way = [branch]
     while skeleton.children[way[-1]]:
         way.append(
             max(
                 skeleton.children[way[-1]],
-                key=lambda c: float(np.linalg.norm(skeleton.offsets[c])) + reach(skeleton, c),
+                key=lambda c: float(np.linalg.norm(skeleton.offsets[c])) + reach[c],
             )
         )
     lengths = [float(np.linalg.norm(skeleton.offsets[c])) for c in way[1:]]
@@ -118,11 +119,11 @@ def _equal_bones(skeleton: Skeleton, p: Limb, q: Limb) -> bool:
     return abs(a - b) < max(a, b) / 7
 
 
-def _head_above(skeleton: Skeleton, chest: int, arms: tuple[int, int]) -> int | None:
+def _head_above(skeleton: Skeleton, reach: Sequence[float], chest: int, arms: tuple[int, int]) -> int | None:
     others = [c for c in skeleton.children[chest] if c not in arms]
     if not others:
         return None
-    way = [max(others, key=lambda c: reach(skeleton, c))]
+    way = [max(others, key=lambda c: reach[c])]
     while skeleton.children[way[-1]]:
         way.append(skeleton.children[way[-1]][0])
     # a lone leaf without a tip is the crown; the head is the joint that carries it

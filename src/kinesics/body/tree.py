@@ -32,8 +32,12 @@ def between(skeleton: Skeleton, top: int, bottom: int) -> tuple[int, ...] | None
     return tuple(reversed(line[: line.index(top)]))
 
 
-def reach(skeleton: Skeleton, j: int) -> float:
-    """Length of the longest way down from joint j, its own offset left out."""
-    tips = [float(np.linalg.norm(s.offset)) for s in skeleton.end_sites if s.parent == j]
-    ways = [float(np.linalg.norm(skeleton.offsets[c])) + reach(skeleton, c) for c in skeleton.children[j]]
-    return max([0.0, *tips, *ways])
+def reaches(skeleton: Skeleton) -> list[float]:
+    """For each joint the length of the longest way down from it, its own offset left out; in the skeleton's unit."""
+    out = [0.0] * skeleton.joint_count
+    for site in skeleton.end_sites:
+        out[site.parent] = max(out[site.parent], float(np.linalg.norm(site.offset)))
+    for j in range(skeleton.joint_count - 1, 0, -1):
+        parent = skeleton.parents[j]
+        out[parent] = max(out[parent], float(np.linalg.norm(skeleton.offsets[j])) + out[j])
+    return out
