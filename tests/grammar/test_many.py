@@ -52,6 +52,19 @@ def test_the_same_movement_twice_is_one_path() -> None:
     assert {o.source for o in graph.paths[0].occurrences} == {0, 1}
 
 
+@pytest.mark.parametrize("frames", [1, 45, 60])
+def test_every_recording_is_in_some_state(frames: int) -> None:
+    """A part of a run in which nothing stops, turns or parts has a state at its slowest moment beside other recordings, too."""
+    run = kx.performer.run(seconds=5, fps=60, seed=3, noise_degrees=0.3).motion[101 : 101 + frames]
+    squat = kx.performer.squat(seconds=6, fps=60, seed=1, noise_degrees=0.3).motion
+    for motions in ([run, squat], [squat, run], [run, squat, run]):
+        graph = kx.graph(motions)
+        for source, motion in enumerate(motions):
+            steps = graph.timeline(source)
+            assert (steps[0].start, steps[-1].end) == (0, motion.frame_count)
+            assert graph.rebuild(graph.notation(source), source) == steps
+
+
 def test_one_recording_is_read_as_it_is_alone() -> None:
     """The graph of one recording does not depend on whether it was asked for by itself or with all the rest."""
     motion = kx.performer.side_kicks(seconds=12, fps=60, seed=1, noise_degrees=0.3).motion

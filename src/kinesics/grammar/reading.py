@@ -693,6 +693,15 @@ def _cyclic_visits(
     return [v for v, _ in keyed], {k: way for k, (_, way) in enumerate(keyed) if way is not None}
 
 
+def _without_visit(visits: Sequence[Visit], count: int, breaks: Sequence[int]) -> tuple[int, int] | None:
+    """The first recording, moments [start, end), that is in no state at all."""
+    places = sorted(v.at for v in visits)
+    for start, end in pairwise((0, *breaks, count)):
+        if bisect.bisect_left(places, start) == bisect.bisect_left(places, end):
+            return start, end
+    return None
+
+
 def _ends(
     moments: Moments,
     visits: Sequence[Visit],
@@ -758,6 +767,12 @@ def read(
             states = [_state_of(fair, [Mark(slowest, True)], near)]
         visits = [v for v in _visits(seen, states) if not inside[v.at]]
         visits, keys = _cyclic_visits(visits, cyclic, roles)
+        nowhere = _without_visit(visits, moments.count, breaks)
+        if nowhere is not None:
+            # so has each of several recordings; one at a time, for the others may pass there
+            slowest = nowhere[0] + int(moments.speed[slice(*nowhere)].argmin())
+            states = [*states, _state_of(fair, [Mark(slowest, True)], near)]
+            continue
         shadows = _shadows(moments, states, visits, near, breaks) - fixed
         if shadows:
             states, roles = _without(states, roles, shadows)
