@@ -12,7 +12,6 @@ import os
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -64,7 +63,7 @@ def run() -> list[Table]:
         kinematics.forward(skeleton, rotations, roots)
         del os.environ["KINESICS_NO_NATIVE"]
 
-    rivals: dict[str, Callable[[], Any]] = {
+    rivals: dict[str, Callable[[], object]] = {
         "ours": lambda: kinematics.forward(skeleton, rotations, roots),
         "ours, positions alone": lambda: kinematics.positions(skeleton, rotations, roots),
         "ours, in NumPy (extension not built)": plain,

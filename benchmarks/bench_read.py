@@ -16,7 +16,6 @@ import tempfile
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
 from unittest import mock
 
 import numpy as np
@@ -79,7 +78,7 @@ np.savez(sys.argv[2], names=np.array([joint.Name for joint in joints]), position
 """
 
 
-def without_native(path: Path) -> Callable[[], Any]:
+def without_native(path: Path) -> Callable[[], object]:
     """Our reader as it is where the compiled kernels were not built."""
 
     def job() -> None:
@@ -92,7 +91,7 @@ def without_native(path: Path) -> Callable[[], Any]:
 def speed(title: str, path: Path, peers: dict[str, tuple[str, Sequence[str]]], target: str) -> Table:
     """Frames a second of ours and of the peers, read in turn."""
     frames = kx.read(path).frame_count
-    rivals: dict[str, Callable[[], Any]] = {
+    rivals: dict[str, Callable[[], object]] = {
         "kinesics": lambda: kx.read(path),
         "kinesics, not compiled": without_native(path),
     }

@@ -15,7 +15,6 @@ import sys
 import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -166,7 +165,7 @@ def fresh(q: np.ndarray) -> Table:
     def gemm() -> None:
         gemm_a_joint(q, np.empty((n, n), np.float32), np.empty((n, n), np.float32))()
 
-    rivals: dict[str, Callable[[], Any]] = {
+    rivals: dict[str, Callable[[], object]] = {
         "ours": lambda: kx.similarity(q, beta=BETA),
         "NumPy, one GEMM a joint (≥ 20x)": gemm,
         "SciPy cdist, canonical (≥ 25x)": cdist(a, b),
@@ -223,7 +222,7 @@ def windows(q: np.ndarray, length: int = 8) -> Table:
 
 def growth(q: np.ndarray, sizes: Sequence[int]) -> Table:
     """How time grows with the number of frames, arrays reused."""
-    jobs: dict[str, Callable[[], Any]] = {}
+    jobs: dict[str, Callable[[], object]] = {}
     for n in sizes:
         out = tuple(np.zeros((2, n, n), dtype=np.float32))
         jobs[f"{n:,}"] = lambda n=n, out=out: kx.similarity(q[:n], beta=BETA, out=out)

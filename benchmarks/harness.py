@@ -17,7 +17,6 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 
 @dataclass(frozen=True)
@@ -48,7 +47,7 @@ class Table:
         return "\n".join([self.title, "", lines[0], "  ".join("-" * w for w in widths), *lines[1:], *self.notes]) + "\n"
 
 
-def in_turn(rivals: Mapping[str, Callable[[], Any]], repeats: int = 5) -> dict[str, float]:
+def in_turn(rivals: Mapping[str, Callable[[], object]], repeats: int = 5) -> dict[str, float]:
     """Median seconds of each rival, timed one after another in every round, so that a busy machine is busy for all."""
     samples: dict[str, list[float]] = {name: [] for name in rivals}
     for call in rivals.values():
