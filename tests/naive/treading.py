@@ -7,7 +7,7 @@ import numpy as np
 from kinesics.body import kinematics
 from kinesics.geometry import quaternion
 from kinesics.synthesis import inverse_kinematics
-from kinesics.synthesis.stage import LIFT, RELEASE, SINK, SOFTLY, SUNK, bearing, held_around, shortfall
+from kinesics.synthesis.stage import LIFT, RANGE_TOLERANCE, RELEASE, SINK, SOFTLY, SUNK, bearing, held_around, shortfall
 
 
 class Treading:
@@ -72,7 +72,8 @@ class Treading:
         rotations = done.rotations[0]
         middle = stage.middle[self.joints]
         vectors = quaternion.as_rotvec(quaternion.multiply(quaternion.conjugate(middle), rotations[self.joints]))
-        inside = np.clip(vectors, stage.low[self.joints], stage.high[self.joints])
+        low, high = stage.low[self.joints] - RANGE_TOLERANCE, stage.high[self.joints] + RANGE_TOLERANCE
+        inside = np.clip(vectors, low, high)
         if np.abs(inside - vectors).max() < 1e-9:
             return rotations, root
         self.slips += 1

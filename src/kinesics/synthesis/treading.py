@@ -19,7 +19,7 @@ from kinesics.geometry import single
 from kinesics.geometry.single import Quaternion, Vector
 from kinesics.synthesis import inverse_kinematics
 from kinesics.synthesis.repertoire import Repertoire
-from kinesics.synthesis.stage import BEARING, LIFT, RELEASE, SINK, SOFTLY, SUNK, Stage, held_around
+from kinesics.synthesis.stage import BEARING, LIFT, RANGE_TOLERANCE, RELEASE, SINK, SOFTLY, SUNK, Stage, held_around
 
 Array = NDArray[np.float64]
 
@@ -125,20 +125,22 @@ class _Limb(NamedTuple):
     """The same of its parent."""
     middle: Quaternion
     low: Vector
+    """Least and greatest component of its rotation vector from there: its range, and what limits are known to, radians."""
     high: Vector
 
     @classmethod
     def of(cls, stage: Stage, joint: int, place: dict[int, int]) -> _Limb:
         parent = stage.repertoire.skeleton.parents[joint]
         middle: Quaternion = tuple(stage.middle[joint].tolist())
-        return cls(joint, place[joint], place[parent], middle, _vector(stage.low[joint]), _vector(stage.high[joint]))
+        low, high = stage.low[joint] - RANGE_TOLERANCE, stage.high[joint] + RANGE_TOLERANCE
+        return cls(joint, place[joint], place[parent], middle, _vector(low), _vector(high))
 
     def inside(self, q: Quaternion) -> tuple[Quaternion, bool]:
         """A rotation within the joint's range, and whether it was beyond."""
         x, y, z = single.as_rotvec(single.undo(self.middle, q))
         (ax, ay, az), (bx, by, bz) = self.low, self.high
         held = (min(max(x, ax), bx), min(max(y, ay), by), min(max(z, az), bz))
-        # hinges stand at both ends of a range without width: rounding is not to decide whether they are held back
+        # a joint that was held stands at the end of its range: rounding is not to decide whether it is held again
         if abs(held[0] - x) + abs(held[1] - y) + abs(held[2] - z) < _ROUNDING:
             return q, False
         return single.multiply(self.middle, single.from_rotvec(held)), True
