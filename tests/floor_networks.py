@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from kinesics.synthesis.meeting import Meeting
 from kinesics.synthesis.network import Network
 
 FPS = 20.0
@@ -112,3 +114,11 @@ STEPS = (
 def walker(**words: Any) -> Network:
     """Every step may follow every other."""
     return floor_network(STEPS, **words)
+
+
+def met(network: Network, seed: int = 0) -> Network:
+    """The same network, what a transition enters lying a few centimetres and degrees beside what it leaves."""
+    rng = np.random.default_rng(seed)
+    leaps = network.cost > 0.0
+    place = rng.uniform(-0.1, 0.1, (len(leaps), 2)) * leaps[:, None]
+    return dataclasses.replace(network, meeting=Meeting(place, rng.uniform(-0.2, 0.2, len(leaps)) * leaps))

@@ -76,10 +76,15 @@ def seconds_to(network: Any, goals: Sequence[int], jump: float = 0.0) -> list[fl
     return best
 
 
-def chain_end(network: Any, paths: Sequence[int]) -> tuple[float, float, float]:
-    """x, z and heading where paths played one after the other end, begun at 0, 0 facing +z."""
+def chain_end(network: Any, paths: Sequence[int], before: int = -1) -> tuple[float, float, float]:
+    """x, z and heading where paths played one after the other end, begun at 0, 0 facing +z, behind another path if told."""
     x = z = heading = 0.0
     for path in paths:
+        if before >= 0 and network.meeting is not None:
+            edge = network.indptr[before] + list(network.successors(before)).index(path)
+            dx, dz = world_displacement(network.meeting.place[edge][0], network.meeting.place[edge][1], heading)
+            x, z, heading = x + dx, z + dz, heading + network.meeting.turn[edge]
         dx, dz = world_displacement(network.displacement[path][0], network.displacement[path][1], heading)
         x, z, heading = x + dx, z + dz, heading + network.turn[path]
+        before = path
     return x, z, heading

@@ -13,7 +13,15 @@ def laid(network, paths: list[int], start: tuple[float, float], heading: float, 
     x, z = start
     out = []
     facing = heading
-    for path, extra in zip(paths, bend, strict=True):
+    for number, (path, extra) in enumerate(zip(paths, bend, strict=True)):
+        if number:
+            # how the path meets the one before
+            followers = list(network.successors(paths[number - 1]))
+            edge = int(network.indptr[paths[number - 1]]) + followers.index(path)
+            left, ahead = network.meeting.place[edge]
+            x += math.cos(facing) * left + math.sin(facing) * ahead
+            z += -math.sin(facing) * left + math.cos(facing) * ahead
+            facing += network.meeting.turn[edge]
         moment = int(network.first[path])
         length = int(network.length[path])
         own = float(repertoire.yaw_of(moment))

@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import kinesics as kx
-from floor_networks import STEPS, Path, floor_network, walker
+from floor_networks import STEPS, Path, floor_network, met, walker
 from kinesics.errors import InputError
 from kinesics.synthesis.controller import Controller, Course, perform_paths
 from kinesics.synthesis.goals import (
@@ -184,14 +184,54 @@ def test_it_does_not_matter_where_the_world_begins(turn: float, x: float, z: flo
 # --- the way over the floor
 
 
-def test_without_bending_paths_are_walked_as_recorded(net: Network) -> None:
-    """Each path ends at its displacement and turn, composed with those before it."""
+@pytest.mark.parametrize("aside", [False, True])
+def test_without_bending_paths_are_walked_as_recorded(net: Network, aside: bool) -> None:
+    """Each path ends at its displacement and turn, composed with those before it and how they meet."""
+    net = met(net) if aside else net
     course = perform_paths(net, Target((4.0, 4.0)), 12.0, bend=0.0, start=AHEAD)
     assert np.all(course.bends == 0.0)
     for k in range(1, len(course.paths)):
+        # up to the first frame of path k, how it meets the one before included: as if a path of no length followed
         x, z, heading = naive.chain_end(net, course.paths[:k].tolist())
+        if net.meeting is not None:
+            edge = int(net.edges(course.paths[k - 1], course.paths[k]))
+            dx, dz = naive.world_displacement(*net.meeting.place[edge].tolist(), heading)
+            x, z, heading = x + dx, z + dz, heading + net.meeting.turn[edge]
         assert course.ground[course.begins[k]] == pytest.approx((x, z), abs=1e-9)
         assert course.yaw[course.begins[k]] == pytest.approx(heading, abs=1e-9)
+
+
+def test_plans_count_how_paths_meet(net: Network) -> None:
+    """Where a plan that is followed leads is where it said, though transitions shift and turn what they enter."""
+    net = met(net)
+    ready = prospects(net, 2.0)
+    controller = Controller(net, Target((2.0, 5.0)), beta=np.inf, bend=0.0, prepared=ready, start=AHEAD, stand=False)
+    followed = 0
+    controller.step()
+    for _ in range(30):
+        controller._intention = None
+        row = controller._row()
+        composite = row.best(int(np.argmax(row.probabilities)))
+        place, heading = controller.now.place, controller.now.heading
+        assert composite.paths[0] == controller.step().path
+        rest = controller._intention
+        assert rest is not None
+        if not rest.trail.places.shape[1]:
+            continue
+        before = place + composite.trail.places[0, -1] * np.exp(1j * heading)
+        after = controller.now.place + rest.trail.places[0, -1] * np.exp(1j * controller.now.heading)
+        assert abs(before - after) < 1e-4
+        followed += 1
+    assert followed > 15
+
+
+def test_an_edge_is_found_by_its_paths(net: Network) -> None:
+    """`Network.edges` finds every successor where it is, and nothing where a path does not follow."""
+    assert net.edges(np.repeat(np.arange(len(net)), np.diff(net.indptr)), net.indices).tolist() == list(
+        range(len(net.indices))
+    )
+    some = floor_network([Path("a", 7, 0.4, 0.2), Path("b", 3, 0.1, -0.5)], {"a": ["b"], "b": ["a", "b"]})
+    assert some.edges([0, 0, 1], [0, 1, 1]).tolist() == [-1, 0, 2]
 
 
 def test_bending_turns_every_stride_with_the_metres_walked(net: Network, ready: Prospects) -> None:

@@ -53,9 +53,10 @@ def test_the_seam_is_that_of_the_whole(made: Network, rng: np.random.Generator) 
     for left, first in [*drawn, *zip(ends, reversed(ends), strict=True), *((e, 10) for e in ends)]:
         yaw, turn = rng.uniform(-3.0, 3.0, 2)
         renderer._turn = yaw
-        at = (np.array([v]) for v in (left, yaw, first, turn))
+        x, z = rng.uniform(-0.2, 0.2, 2)
+        at = (np.array([v]) for v in (left, yaw, first, turn, (x, z)))
         offsets, velocities = seams(own, stage.carrier, *at)
-        offset, velocity = renderer._seam(left, first, turn)
+        offset, velocity = renderer._seam(left, first, turn, complex(z, x))
         assert np.abs(offset - offsets[0]).max() < 1e-7
         assert np.abs(velocity - velocities[0]).max() < 1e-5
 

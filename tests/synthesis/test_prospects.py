@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
-from floor_networks import Path, floor_network, walker
+from floor_networks import Path, floor_network, met, walker
 from kinesics.errors import InputError
 from kinesics.synthesis.network import Network
 from kinesics.synthesis.prospects import Prospects, prospects, trails
@@ -56,8 +56,14 @@ def test_composites_follow_the_network_and_last_long_enough() -> None:
             assert after in network.successors(before)
 
 
-def test_trails_are_those_of_the_paths_one_after_the_other(network: Network, ahead: Prospects) -> None:
-    """Places and headings at the ends of paths equal those composed path by path."""
+@pytest.mark.parametrize("aside", [False, True])
+def test_trails_are_those_of_the_paths_one_after_the_other(network: Network, ahead: Prospects, aside: bool) -> None:
+    """Places and headings at the ends of paths equal those composed path by path, also where transitions shift and turn."""
+    if aside:
+        network = met(network)
+        ahead = prospects(network, 2.0)
+    row_of = np.searchsorted(ahead.start, np.arange(len(ahead.sequence)), side="right") - 1
+    owner = np.searchsorted(network.indptr, row_of, side="right") - 1
     compared = 0
     for row in range(0, len(ahead.sequence), 7):
         paths = ahead.sequence[row][ahead.sequence[row] >= 0].tolist()
@@ -65,7 +71,7 @@ def test_trails_are_those_of_the_paths_one_after_the_other(network: Network, ahe
         for k, time in enumerate(times, start=1):
             point = np.flatnonzero(np.isclose(ahead.trail.times[0], time))
             if len(point):
-                x, z, heading = naive.chain_end(network, paths[:k])
+                x, z, heading = naive.chain_end(network, paths[:k], int(owner[row]))
                 place = ahead.trail.places[row, point[0]]
                 assert (place.imag, place.real) == pytest.approx((x, z), abs=1e-5)
                 assert ahead.trail.headings[row, point[0]] == pytest.approx(heading, abs=1e-5)

@@ -19,7 +19,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -127,6 +127,8 @@ class Contacts:
     soles: Soles
     slow: float
     """Speed below which a point begins to bear, m/s."""
+    stature: float
+    """Of the body, told by its legs, metres."""
 
 
 def foot_contacts(motion: Motion, mapping: Mapping[str, object] | None = None) -> Mask:
@@ -228,19 +230,55 @@ def contacts(
         feet = dataclasses.replace(feet, slow=slow)
     sole = feet.soles() if known is None else known
     places = sole.place(feet.positions, feet.rotations)
-    speeds = _speeds(places.reshape(len(places), 6, 3), motion.fps).reshape(len(places), 2, 3)
-    height = places[..., 1] - feet.floor.at(places)
-    levels = feet.levels(height, speeds)
+    found = touching(places, places[..., 1] - feet.floor.at(places), motion.fps, feet.stature, feet.slow)
+    return Contacts(found.feet, found.points, places, found.levels, feet.floor, sole, feet.slow, feet.stature)
+
+
+class Touching(NamedTuple):
+    """When feet bear, found from the places of their soles alone."""
+
+    feet: Mask
+    """Left and right foot, shape (frames, 2)."""
+    points: Mask
+    """Heel, ball and tip of each, shape (frames, 2, 3)."""
+    levels: Array
+    """Height above the floor at which each point bears, metres, shape (2, 3)."""
+
+
+def touching(places: Array, height: Array, fps: float, stature: float, slow: float) -> Touching:
+    """When each point of the soles bears, by the rules at the top of this module.
+
+    Parameters
+    ----------
+    places : of heel, ball and tip in the world, metres, shape (frames, 2, 3, 3).
+    height : of the same above the floor, metres, shape (frames, 2, 3).
+    stature : of the body, metres.
+    slow : speed below which a point begins to bear, m/s.
+    """
+    speeds = _speeds(places.reshape(len(places), 6, 3), fps).reshape(len(places), 2, 3)
+    levels = _levels(height, speeds, stature, slow)
     height = height - levels
-    on = (height < HEIGHT_ON * feet.stature) & (speeds < feet.slow)
-    stay = (height < HEIGHT_OFF * feet.stature) & (speeds < SPEED_OFF * feet.slow)
+    on = (height < HEIGHT_ON * stature) & (speeds < slow)
+    stay = (height < HEIGHT_OFF * stature) & (speeds < SPEED_OFF * slow)
     points: Mask = _hysteresis(on.reshape(-1, 6), stay.reshape(-1, 6)).reshape(-1, 2, 3)
-    either = _closed(np.asarray(points.any(axis=2)), round(SHORTEST_GAP * motion.fps))
-    either = _opened(either, round(SHORTEST_TOUCH * motion.fps))
+    either = _closed(np.asarray(points.any(axis=2)), round(SHORTEST_GAP * fps))
+    either = _opened(either, round(SHORTEST_TOUCH * fps))
     # in a gap that was closed the lowest point bears on; a touch left out bears with nothing
     lowest = height == height.min(axis=2, keepdims=True)
     points = np.where(points.any(axis=2, keepdims=True), points, lowest) & either[..., None]
-    return Contacts(either, points, places, levels, feet.floor, sole, feet.slow)
+    return Touching(either, points, levels)
+
+
+def _levels(height: Array, speeds: Array, stature: float, slow: float) -> Array:
+    """Height above the floor at which each point bears, shape (2, 3): its usual low among slow frames, near the floor."""
+    out = np.empty((2, 3))
+    most = HEIGHT_ON * stature
+    for k in (0, 1):
+        for n in range(3):
+            low = _usual_low(height[:, k, n], speeds[:, k, n] < slow)
+            # what never comes near the floor does not bear on it
+            out[k, n] = np.clip(low, -most, 0.5 * most)
+    return out
 
 
 @dataclass(frozen=True, eq=False)
@@ -346,17 +384,6 @@ class _Feet:
         vectors = vectors * np.array([1.0, 0.0, 1.0])
         length = np.linalg.norm(vectors, axis=1, keepdims=True)
         return np.where(length > 1e-9, vectors / np.where(length > 1e-9, length, 1.0), forward)
-
-    def levels(self, height: Array, speeds: Array) -> Array:
-        """Height above the floor at which each point bears, shape (2, 3): its usual low among slow frames, near the floor."""
-        out = np.empty((2, 3))
-        most = HEIGHT_ON * self.stature
-        for k in (0, 1):
-            for n in range(3):
-                low = _usual_low(height[:, k, n], speeds[:, k, n] < self.slow)
-                # what never comes near the floor does not bear on it
-                out[k, n] = np.clip(low, -most, 0.5 * most)
-        return out
 
 
 def _plane(points: Array, slow: Mask, fps: float, stature: float) -> Floor:

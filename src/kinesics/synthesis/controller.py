@@ -205,6 +205,16 @@ class Controller:
         self._turn = self._trails.headings[self._ends].tolist()
         self._walked = self._trails.travelled[self._ends].tolist()
         self._duration = np.asarray(network.duration, dtype=np.float64).tolist()
+        leaps = np.flatnonzero(np.asarray(network.cost) > 0.0)
+        owners = np.searchsorted(network.indptr, leaps, side="right") - 1
+        place_met, turn_met = network.met
+        self._met: dict[tuple[int, int], tuple[complex, float]] = dict(
+            zip(
+                zip(owners.tolist(), np.asarray(network.indices)[leaps].tolist(), strict=True),
+                zip(place_met[leaps].tolist(), turn_met[leaps].tolist(), strict=True),
+                strict=True,
+            )
+        )
         # the path with which each one's recording goes on
         free = np.flatnonzero(np.asarray(network.cost) == 0.0)
         goes_on = np.full(paths, -1, dtype=np.intp)
@@ -417,6 +427,7 @@ class Controller:
         for path in intention.paths:
             if self._goes_on[before] != path:
                 since_jump = 0.0
+            place, heading = self._entered(before, path, place, heading)
             place += cmath.exp(1j * heading) * self._displacement[path]
             heading += self._turn[path]
             travelled += self._walked[path]
@@ -433,7 +444,7 @@ class Controller:
                 return None
             return _Composite(intention.paths, head, float(self._weighed(head)[0]) + self._chained(intention.paths))
         turn = np.exp(1j * heading)
-        swerve = self._swerve_at(intention.paths)
+        swerve = self._swerve_at(self.now.path, intention.paths)
         trail = Trail(
             np.concatenate([head.times, then.times[:, :points] + np.float32(lasted)], axis=1),
             _beside(head.places, place + turn * then.places[:, :points], count),
@@ -471,14 +482,23 @@ class Controller:
     def _chained(self, paths: Sequence[int]) -> float:
         return sum(p.chain(paths, self.now) for p in self._pursuits if not isinstance(p, TrailPursuit))
 
-    def _swerve_at(self, paths: Sequence[int]) -> complex:
-        """How the end of a chain of paths moves if it is bent."""
+    def _entered(self, before: int, path: int, place: complex, heading: float) -> tuple[complex, float]:
+        """Place and heading at the first frame of a path, from those with which the path before would have gone on."""
+        if (before, path) not in self._met:
+            return place, heading
+        aside, turn = self._met[before, path]
+        return place + cmath.exp(1j * heading) * aside, heading + turn
+
+    def _swerve_at(self, before: int, paths: Sequence[int]) -> complex:
+        """How the end of a chain of paths behind another moves if it is bent."""
         swerve, heading, travelled = 0j, 0.0, 0.0
         for path in paths:
+            aside, heading = self._entered(before, path, 0j, heading)
             step = cmath.exp(1j * heading) * self._displacement[path]
-            swerve += 1j * (travelled + self._walked[path] / 2.0) * step
+            swerve += 1j * travelled * aside + 1j * (travelled + self._walked[path] / 2.0) * step
             heading += self._turn[path]
             travelled += self._walked[path]
+            before = path
         return swerve
 
     def _after(self, composite: _Composite) -> _Composite | None:
@@ -486,15 +506,20 @@ class Controller:
         if len(composite.paths) < 2 or not any(isinstance(p, TrailPursuit) for p in self._pursuits):
             return None
         path, trail = composite.paths[0], composite.trail
+        place, heading = self._entered(self.now.path, path, 0j, 0.0)
+        place += np.exp(1j * heading) * self._displacement[path]
+        heading += self._turn[path]
         done = int(np.searchsorted(trail.times[0], self._duration[path] + 1e-4, side="right"))
-        walked, back = np.float32(self._walked[path]), np.complex64(np.exp(-1j * self._turn[path]))
-        places = (trail.places[:, done:] - np.complex64(self._displacement[path])) * back
+        walked, back = np.float32(self._walked[path]), np.complex64(np.exp(-1j * heading))
+        places = (trail.places[:, done:] - np.complex64(place)) * back
         # see `_continued`, the other way round
-        swerve = (trail.swerve[:, done:] - np.complex64(self._swerve_at((path,)))) * back - 1j * walked * places
+        swerve = (
+            trail.swerve[:, done:] - np.complex64(self._swerve_at(self.now.path, (path,)))
+        ) * back - 1j * walked * places
         rest = Trail(
             trail.times[:, done:] - np.float32(self._duration[path]),
             places,
-            trail.headings[:, done:] - np.float32(self._turn[path]),
+            trail.headings[:, done:] - np.float32(heading),
             np.maximum(trail.travelled[:, done:] - walked, np.float32(0.0)),
             swerve.astype(np.complex64),
             trail.playing[:, done:],
@@ -505,7 +530,7 @@ class Controller:
         now = self.now
         if now.path >= 0 and self._goes_on[now.path] != path:
             now.since_jump = 0.0
-        step = Step(path, bend, now.place, now.heading, bend * self._walked[path])
+        step = Step(path, bend, *self._entered(now.path, path, now.place, now.heading), bend * self._walked[path])
         places, headings = self.way(step)
         times = now.time + np.arange(len(places)) / self._fps
         for pursuit in self._pursuits:
@@ -582,11 +607,15 @@ class _Stop:
         self._after = ways.next_towards(network, self.still)
         end = ways_of_root.start + np.asarray(network.length, dtype=np.intp)
         displacement, turn = ways_of_root.places[end], ways_of_root.headings[end]
+        place_met, turn_met = network.met
         # where one comes to stand, seen from the beginning of each path: nearest paths first
         self._rest = np.zeros(len(seconds), dtype=np.complex128)
         for path in np.argsort(seconds, kind="stable").tolist():
             if not self.still[path] and self._after[path] >= 0:
-                self._rest[path] = displacement[path] + np.exp(1j * turn[path]) * self._rest[self._after[path]]
+                then = self._after[path]
+                edge = network.edges(path, then)
+                aside = place_met[edge] + np.exp(1j * turn_met[edge]) * self._rest[then]
+                self._rest[path] = displacement[path] + np.exp(1j * turn[path]) * aside
         self._seconds = seconds
 
     def next(self, path: int, rng: np.random.Generator) -> int:
@@ -605,7 +634,10 @@ class _Stop:
         """Whether stopping now ends at the goal."""
         rest = now.place
         if not self.still[now.path]:
-            rest += cmath.exp(1j * now.heading) * complex(self._rest[self._soonest(now.path)])
+            path = self._soonest(now.path)
+            edge = self._network.edges(now.path, path)
+            place, turn = (complex(values[edge]) for values in self._network.met)
+            rest += cmath.exp(1j * now.heading) * (place + cmath.exp(1j * turn) * complex(self._rest[path]))
         return abs(rest - goal.goal) <= goal.radius
 
 

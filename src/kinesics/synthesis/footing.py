@@ -27,11 +27,11 @@ SLIP: Final = 0.0005
 """m/s over the floor that weigh as much as the accelerations below."""
 HEIGHT: Final = 0.006
 """Metres above the floor that do."""
-GENTLE: Final = 10.0
+GENTLE: Final = 100.0
 """m/s²: of a foot."""
 ASTRAY: Final = 0.008
 """Metres of a foot from its place beneath the body."""
-ADRIFT: Final = 0.2
+ADRIFT: Final = 0.12
 """Metres of the body over the floor from its place."""
 BOUND: Final = 0.0005
 """Metres of a foot from where a joint at the end of its range has it."""
@@ -42,6 +42,8 @@ _SHARE: Final = 0.25
 _LEAST_BEND: Final = np.deg2rad(12.0)
 """A knee that is straighter counts as one bent by so much: beyond, the leg's length is quadratic in the angle."""
 _BODY: Final = 6
+_LEFT: Final = 1e-3
+"""Share of the weight of `ADRIFT` that is left while the body stands."""
 
 
 class Leg(NamedTuple):
@@ -99,7 +101,15 @@ class Bounds(NamedTuple):
 
 
 def footing(
-    slid: Array, grip: Array, height: Array, press: Array, leg: Leg, usual: Usual, fps: float, bounds: Bounds
+    slid: Array,
+    grip: Array,
+    height: Array,
+    press: Array,
+    leg: Leg,
+    usual: Usual,
+    fps: float,
+    bounds: Bounds,
+    both: Array | float = 0.0,
 ) -> Footing:
     """Seek what is added to the places of feet and body.
 
@@ -109,6 +119,8 @@ def footing(
     grip : 0 to 1, how much of that is to be taken away, shape (frames − 1, 2).
     height : of the lowest point of each sole above the floor, shape (frames, 2).
     press : 0 to 1, how much it is to be on the floor, shape (frames, 2).
+    both : 0 to 1, how surely the body stands on both feet, shape (frames,): it is then where they are, and comes back when one
+        swings.
     """
     frames = len(height)
     if frames < 3:
@@ -139,6 +151,7 @@ def footing(
             wanted[:, foot] += weight * bounds.place[:, k, axis]
             wanted[:, body] -= weight * bounds.place[:, k, axis]
     diagonal[:, _BODY:] += 1.0 / np.square([ADRIFT, SINKING, ADRIFT])
+    diagonal[:, [_BODY, _BODY + 2]] -= np.broadcast_to(both, frames)[:, None] * (1.0 - _LEFT) / ADRIFT**2
     square, cross, far = (_bent(leg, usual, fps, lag) for lag in (0, 1, 2))
     here[:-2] += square[:-2]
     here[1:-1] += 4.0 * square[1:-1]

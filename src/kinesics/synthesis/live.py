@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import bisect
+import cmath
 import math
 from collections.abc import Iterable, Sequence
 from typing import Final, NamedTuple
@@ -175,15 +176,20 @@ class LiveRenderer:
                 raise InputError(f"Path {path} does not follow path {self.path}.")
             left = int(network.onward[self.path])
             if first != left:
-                self._cut(left, first)
+                self._cut(left, first, int(network.edges(self.path, path)))
         self.path, self.moment, self._left = path, first, int(network.length[path])
         self._bend = bend / self._left
         self._onwards = -1 if bool(repertoire.is_backward(first)) else 1
 
-    def _cut(self, left: int, first: int) -> None:
+    def _cut(self, left: int, first: int, edge: int) -> None:
         repertoire, stage = self.network.repertoire, self.stage
-        turn = self._turn + float(repertoire.yaw_of(left)) - float(repertoire.yaw_of(first))
-        offset, velocity = self._seam(left, first, turn)
+        # how the two meet: as the controller and `kinesics.synthesis.rendering` have it
+        place, met = (complex(values[edge]) for values in self.network.met)
+        aside = place * cmath.exp(1j * self.heading)
+        turn = self._turn + float(repertoire.yaw_of(left)) + met.real - float(repertoire.yaw_of(first))
+        offset, velocity = self._seam(left, first, turn, aside)
+        self.place += aside.imag, aside.real
+        self.heading += met.real
         # what is still left of the last transition goes along
         rest, speed = np.zeros_like(self._offset), np.zeros_like(self._velocity)
         if self._since < self._duration:
@@ -203,7 +209,7 @@ class LiveRenderer:
         self._since = 0.0
         self._turn = turn
 
-    def _seam(self, left: int, first: int, turn: float) -> tuple[Array, Array]:
+    def _seam(self, left: int, first: int, turn: float, aside: complex) -> tuple[Array, Array]:
         """`kinesics.synthesis.stage.seams` of one cut, shapes (joints + 1, 3)."""
         repertoire, fps = self.network.repertoire, self.network.repertoire.fps
         (image, here), (entered, there) = self._around(left), self._around(first)
@@ -224,8 +230,7 @@ class LiveRenderer:
         velocity = change * (fps / span) if span else np.zeros_like(change)
         # a rotation vector leaps where it passes half a turn; such an offset has no velocity that could be told
         velocity[np.einsum("ij,ij->i", change, change) >= 4.0] = 0.0
-        # the place on the floor is that of the recording left, by the way the paths were laid
-        now[-1, 0] = now[-1, 2] = 0.0
+        now[-1, 0], now[-1, 2] = aside.imag, aside.real
         return now, velocity
 
     def _around(self, moment: int) -> tuple[int, list[int]]:

@@ -21,13 +21,14 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Final, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from kinesics.errors import InputError
 from kinesics.grammar import notation
 from kinesics.progress import Progress, silent
 from kinesics.similarity import Weights
 from kinesics.synthesis import transitions as _transitions
+from kinesics.synthesis.meeting import Meeting, meetings
 from kinesics.synthesis.repertoire import BACKWARD_STRANDS, MIRRORED_STRANDS, STRANDS, Repertoire
 from kinesics.synthesis.transitions import DENSITY, SPACING, Transitions, from_heading
 
@@ -98,6 +99,9 @@ class Network:
     """How it was found."""
     pruned: tuple[Pruned, ...]
     """What was left out."""
+    meeting: Meeting | None = None
+    """How each successor meets what the path before would have gone on with: along with `indices`, 0 where the recording itself
+    goes on. None: place and heading of the pelvis are the same everywhere."""
     state_from: tuple[str, ...] = ()
     """The grammar's words for each path; empty until `labelled`."""
     state_to: tuple[str, ...] = ()
@@ -130,6 +134,27 @@ class Network:
     def onward(self) -> Indices:
         """The moment with which the recording goes on after each path: the one whose place the next path's first takes."""
         return self.repertoire.advance(self.first, self.length)
+
+    def edges(self, before: ArrayLike, after: ArrayLike) -> Indices:
+        """Where in `indices` each path ``after`` follows the path ``before``, any shape; −1 where it does not."""
+        order, keys = self._ordered
+        key = np.asarray(before, dtype=np.intp) * len(self) + np.asarray(after, dtype=np.intp)
+        at = np.minimum(np.searchsorted(keys, key), len(keys) - 1)
+        return np.where(keys[at] == key, order[at], -1)
+
+    @cached_property
+    def _ordered(self) -> tuple[Indices, Indices]:
+        """Places in `indices` in the order of both paths' numbers, and those numbers as one."""
+        keys = np.repeat(np.arange(len(self)), np.diff(self.indptr)) * len(self) + self.indices
+        order = np.argsort(keys)
+        return order, keys[order]
+
+    @cached_property
+    def met(self) -> tuple[NDArray[np.complex128], Array]:
+        """`meeting` as numbers, ahead + i·left, and radians: shape (successors,) each."""
+        if self.meeting is None:
+            return np.zeros(len(self.indices), dtype=np.complex128), np.zeros(len(self.indices))
+        return self.meeting.place[:, 1] + 1j * self.meeting.place[:, 0], self.meeting.turn
 
     @cached_property
     def strand(self) -> Indices:
@@ -348,8 +373,11 @@ def _finished(repertoire: Repertoire, found: Transitions, draft: _Draft, kept: M
         threshold=found.threshold,
         rule=found.limits.rule,
         pruned=pruned,
+        meeting=_meeting(repertoire, onward[before], first[after], transition >= 0, order),
     )
+    assert out.meeting is not None
     for values in (
+        *out.meeting,
         out.first,
         out.length,
         out.indptr,
@@ -362,6 +390,14 @@ def _finished(repertoire: Repertoire, found: Transitions, draft: _Draft, kept: M
     ):
         values.setflags(write=False)
     return out
+
+
+def _meeting(repertoire: Repertoire, left: Indices, entered: Indices, leaps: Mask, order: Indices) -> Meeting:
+    """How what is entered meets what is left, 0 where nothing leaps; in this order."""
+    found = meetings(repertoire, left[leaps], entered[leaps])
+    place, turn = np.zeros((len(left), 2)), np.zeros(len(left))
+    place[leaps], turn[leaps] = found
+    return Meeting(place[order], turn[order])
 
 
 def _pruned(repertoire: Repertoire, first: Indices, length: Indices) -> tuple[Pruned, ...]:

@@ -13,7 +13,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kinesics.body import kinematics
+from kinesics.body import contacts, kinematics
 from kinesics.body.limits import segment_distance
 from kinesics.geometry import quaternion
 from kinesics.synthesis import blending, footing, inverse_kinematics
@@ -38,11 +38,17 @@ Indices = NDArray[np.intp]
 
 GRIP: Final = 0.03
 """Seconds in which a foot that comes down is held more and more firmly; in reverse as it is lifted."""
-GRIP_BEFORE: Final = 0.05
+GRIP_BEFORE: Final = 0.01
 """Seconds before and after a contact from which on it is."""
 ROUNDS: Final = 10
 """Most times that feet are planted, joints put back that were bent too far, and planted again as far as these go."""
 _LEGS: Final = {"left", "right", "femur", "tibia"}
+STAND: Final = 0.25
+"""Seconds: who stands on both feet for four times as long is where the feet are, wherever the paths were laid."""
+LET_PASS: Final = 0.008
+"""Metres that a foot may slide in one contact before it is held for longer."""
+_WAYS: Final = np.stack([np.cos(np.arange(8) * np.pi / 8.0), np.sin(np.arange(8) * np.pi / 8.0)])
+"""Directions over the floor in which it is measured."""
 _SHORT: Final = 0.001
 """Metres by which a foot is off where it was planted before the body goes along."""
 _NOTHING: Final = np.deg2rad(0.2)
@@ -114,14 +120,17 @@ def pin(stage: Stage, rotations: Array, roots: Array, standing: Mask) -> Footed:
     given = rotations
     recorded = kinematics.positions(skeleton, rotations, roots)[:, feet] - roots[:, None]
     bounds = Bounds.none(len(rotations))
+    gripped = standing
     for attempt in range(ROUNDS):
-        done = _planted(stage, given, roots, standing, held, bounds)
+        done = _planted(stage, given, roots, standing, gripped, held, bounds)
         within = done.rotations.copy()
         put_within_range(stage, within, joints)
         push = _apart(stage, within, done.roots)
         settled = quaternion.angle(done.rotations[:, joints], within[:, joints]).max() < _NOTHING
-        if attempt == ROUNDS - 1 or (settled and not push.any()):
+        slipping = _slipping(stage, done, gripped)
+        if attempt == ROUNDS - 1 or (settled and not push.any() and not slipping.any()):
             break
+        gripped = gripped | slipping
         # an ankle that would be bent too far turns its foot; the foot is then planted as it is turned
         given = given.copy()
         world = kinematics.global_rotations(skeleton, done.rotations)[:, parents]
@@ -140,6 +149,23 @@ def pin(stage: Stage, rotations: Array, roots: Array, standing: Mask) -> Footed:
             np.where(bound, footing.BOUND, bounds.tolerance),
         )
     return _above_the_floor(stage, done._replace(rotations=within))
+
+
+def _slipping(stage: Stage, done: Footed, gripped: Mask) -> Mask:
+    """Frames of contacts, as anyone would find them in what was planted, in which a foot slides and is not held: (frames, 2)."""
+    known = kinematics.forward(stage.repertoire.skeleton, done.rotations, done.roots)
+    places = stage.soles.place(known.positions, known.rotations)
+    found = contacts.touching(places, places[..., 1], stage.repertoire.fps, stage.stature, stage.slow)
+    height = places[..., 1] - stage.levels
+    share = bearing(0.5 * (height[1:] + height[:-1]))
+    way = np.zeros((len(places), 2, 2))
+    np.cumsum(np.einsum("fkp,fkpi->fki", share, np.diff(places[..., [0, 2]], axis=0)), axis=0, out=way[1:])
+    out = np.zeros_like(gripped)
+    for k in (0, 1):
+        for a, b in contacts.runs(found.feet[:, k]):
+            if np.ptp(way[a:b, k] @ _WAYS, axis=0).max() > LET_PASS:
+                out[a:b, k] = ~gripped[a:b, k]
+    return out
 
 
 def _apart(stage: Stage, rotations: Array, roots: Array) -> Array:
@@ -191,7 +217,9 @@ def _above_the_floor(stage: Stage, footed: Footed) -> Footed:
     return footed._replace(roots=roots)
 
 
-def _planted(stage: Stage, rotations: Array, roots: Array, standing: Mask, held: Array, bounds: Bounds) -> Footed:
+def _planted(
+    stage: Stage, rotations: Array, roots: Array, standing: Mask, gripped: Mask, held: Array, bounds: Bounds
+) -> Footed:
     repertoire, legs = stage.repertoire, stage.legs
     skeleton, fps = repertoire.skeleton, repertoire.fps
     known = kinematics.forward(skeleton, rotations, roots)
@@ -201,7 +229,7 @@ def _planted(stage: Stage, rotations: Array, roots: Array, standing: Mask, held:
     height = soles[..., 1] - stage.levels
     share = bearing(0.5 * (height[1:] + height[:-1]))
     slid = np.einsum("fkp,fkpi->fki", share, np.diff(soles[..., [0, 2]], axis=0))
-    grip = np.stack([_grip(standing[:, k], fps) for k in (0, 1)], axis=-1)
+    grip = np.stack([_grip(gripped[:, k], fps) for k in (0, 1)], axis=-1)
     press = np.stack([held_around(standing[:, k], LIFT * fps) for k in (0, 1)], axis=-1)
     found = footing.footing(
         slid,
@@ -212,6 +240,7 @@ def _planted(stage: Stage, rotations: Array, roots: Array, standing: Mask, held:
         stage.usual,
         fps,
         bounds,
+        _both(held, fps),
     )
     corrected, shift = found.feet, found.body
     reach = max(1, round(SOFTLY * fps))
@@ -222,6 +251,14 @@ def _planted(stage: Stage, rotations: Array, roots: Array, standing: Mask, held:
     known = known._replace(positions=known.positions + shift[:, None])
     done = inverse_kinematics.reach(skeleton, rotations, roots + shift, targets, limbs=legs, known=known)
     return Footed(done.rotations, roots + shift, corrected, np.maximum(-shift[:, 1], 0.0), done.misses)
+
+
+def _both(held: Array, fps: float) -> Array:
+    """1 where both feet have borne and will bear for `STAND`, going to 0 smoothly, shape (frames,)."""
+    from scipy.ndimage import minimum_filter1d
+
+    reach = max(1, round(STAND * fps))
+    return _smooth(minimum_filter1d(held.min(axis=1), 4 * reach + 1, mode="nearest"), reach)
 
 
 def _grip(standing: Mask, fps: float) -> Array:

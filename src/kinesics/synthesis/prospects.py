@@ -229,12 +229,13 @@ def _single(network: Network) -> _Chains:
     jumps = cost > 0.0
     duration = np.asarray(network.duration, dtype=np.float64)[path]
     displacement = np.asarray(network.displacement, dtype=np.float64)[path]
+    place, turn = network.met
     return _Chains(
         edge=np.arange(len(path)),
         size=np.ones(len(path), dtype=np.intp),
         last=path,
-        place=displacement[:, 1] + 1j * displacement[:, 0],
-        heading=np.asarray(network.turn, dtype=np.float64)[path],
+        place=place + np.exp(1j * turn) * (displacement[:, 1] + 1j * displacement[:, 0]),
+        heading=turn + np.asarray(network.turn, dtype=np.float64)[path],
         duration=duration,
         cost=cost,
         first_jump=np.where(jumps, 0.0, NEVER),
@@ -356,7 +357,7 @@ def _sampled(
         places = np.zeros((rows, len(times)), dtype=np.complex128)
         headings = np.zeros((rows, len(times)))
         playing = np.zeros((rows, len(times)), dtype=np.int32)
-        _follow(sequence, network, ways, times, places, headings, playing)
+        _follow(chains.edge, sequence, network, ways, times, places, headings, playing)
         strides = np.diff(places, axis=1, prepend=0.0)
         lengths = np.abs(strides)
         travelled = np.cumsum(lengths, axis=1)
@@ -390,6 +391,7 @@ def _sampled(
 
 
 def _follow(
+    edge: Indices,
     sequence: NDArray[np.int32],
     network: Network,
     ways: Trails,
@@ -406,11 +408,15 @@ def _follow(
     facing = np.zeros(len(sequence))
     passed = np.zeros(len(sequence), dtype=np.intp)
     live = np.arange(len(sequence))
+    place_met, turn_met = network.met
     for column in range(sequence.shape[1]):
         live = live[(sequence[live, column] >= 0) & (passed[live] < frames[-1])]
         if not len(live):
             break
         path = sequence[live, column]
+        way = edge[live] if column == 0 else network.edges(sequence[live, column - 1], path)
+        at[live] += np.exp(1j * facing[live]) * place_met[way]
+        facing[live] += turn_met[way]
         until = passed[live] + lengths[path]
         for k, frame in enumerate(frames):
             here = (passed[live] < frame) & (frame <= until)

@@ -232,7 +232,8 @@ def slide(points: Array, height: Array) -> float:
     share /= share.sum(axis=1, keepdims=True)
     steps = np.einsum("fp,fpi->fi", share, np.diff(points[..., [0, 2]], axis=0))
     way = np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
-    return float(np.linalg.norm(way[:, None] - way[None], axis=-1).max())
+    blocks = (way[a : a + _BLOCK, None] - way[None] for a in range(0, len(way), _BLOCK))
+    return float(max(np.einsum("abi,abi->ab", apart, apart).max() for apart in blocks) ** 0.5)
 
 
 def _nearest(motion: Motion, repertoire: Repertoire) -> Array:

@@ -1,8 +1,8 @@
 """A list of paths performed: one movement without seams, its feet on the ground ([Schultz2012] §4.4).
 
-1. Paths are laid end to end: each is turned about the vertical and shifted over the floor so that its first moment takes
-   the place and the heading of the one with which the path before would have gone on (Kovar, Gleicher & Pighin 2002, §3.3).
-2. At every cut the offset of pose, height and tilt is taken away over a short time (`kinesics.synthesis.blending`), over a
+1. Paths are laid end to end: each is turned about the vertical and shifted over the floor so that its bearing feet stand where
+   those stood with which the path before would have gone on (`kinesics.synthesis.meeting`).
+2. At every cut the offset of pose and place is taken away over a short time (`kinesics.synthesis.blending`), over a
    time that accelerates nothing more than the recordings do.
 3. Feet that bear stay where they are (after Kovar, Schreiner & Gleicher 2002). Their data tell which part of the sole bears:
    the lower a point, the more (heel, then ball, then tip). What is added to the places of feet and body, so that bearing
@@ -223,9 +223,10 @@ def _lay(stage: Stage, network: Network, chosen: Indices, origin: Array, heading
     within = np.arange(frames) - begins[step]
     moments = repertoire.advance(network.first[chosen][step], within)
     first, onward = network.first[chosen], network.onward[chosen]
-    # the heading: the first moment of a path faces where the one before would have faced
+    # the heading: the first moment of a path faces where the one before would have faced, but for how the two meet
+    met_place, met_turn = (values[network.edges(chosen[:-1], chosen[1:])] for values in network.met)
     face_first, face_onward = repertoire.yaw_of(first), repertoire.yaw_of(onward)
-    turn = heading - face_first[0] + np.concatenate([[0.0], np.cumsum(face_onward[:-1] - face_first[1:])])
+    turn = heading - face_first[0] + np.concatenate([[0.0], np.cumsum(face_onward[:-1] + met_turn - face_first[1:])])
     bent = np.concatenate([[0.0], np.cumsum(extra)])
     lean = bent[step] + extra[step] * within / lengths[step]
     yaw = turn[step] + lean
@@ -235,6 +236,9 @@ def _lay(stage: Stage, network: Network, chosen: Indices, origin: Array, heading
     half = yaw + 0.5 * extra[step] / lengths[step]
     x = np.cos(half) * moved[:, 0] + np.sin(half) * moved[:, 2]
     z = -np.sin(half) * moved[:, 0] + np.cos(half) * moved[:, 2]
+    aside = met_place * np.exp(1j * (face_onward[:-1] + turn[:-1] + bent[1:-1]))
+    x[begins[1:] - 1] += aside.imag
+    z[begins[1:] - 1] += aside.real
     roots = here.copy()
     roots[:, 0] = origin[0] + np.concatenate([[0.0], np.cumsum(x)[:-1]])
     roots[:, 2] = origin[1] + np.concatenate([[0.0], np.cumsum(z)[:-1]])
@@ -249,7 +253,13 @@ def _lay(stage: Stage, network: Network, chosen: Indices, origin: Array, heading
     if len(cuts):
         world = turn + bent[:-1]
         offsets, velocities = seams(
-            repertoire, carrier, onward[jumps - 1], world[jumps - 1] + extra[jumps - 1], first[jumps], world[jumps]
+            repertoire,
+            carrier,
+            onward[jumps - 1],
+            world[jumps - 1] + extra[jumps - 1],
+            first[jumps],
+            world[jumps],
+            np.stack([aside.imag, aside.real], axis=-1)[jumps - 1],
         )
     bounds = np.concatenate([[0], cuts, [frames]])
     room = np.stack([cuts - bounds[:-2], bounds[2:] - cuts], axis=-1) / fps

@@ -23,6 +23,7 @@ from kinesics.body.motion import Motion
 from kinesics.geometry import quaternion
 from kinesics.synthesis import blending, footing, inverse_kinematics
 from kinesics.synthesis.inverse_kinematics import Legs
+from kinesics.synthesis.meeting import soles_of
 from kinesics.synthesis.repertoire import Repertoire
 
 Array = NDArray[np.float64]
@@ -43,7 +44,7 @@ RELEASE: Final = 0.07
 """Seconds before and after a contact over which the foot is let go."""
 _MARGIN: Final = 0.25
 """Share of such times for which the foot is still held as if it bore: no rule tells the very frame of its lifting."""
-LIFT: Final = 0.10
+LIFT: Final = 0.05
 """Seconds before and after a contact over which the sole comes down to the floor."""
 SOFTLY: Final = 0.05
 """Seconds before and after over which the height of a foot is corrected: less than a step, more than a marker's tremble."""
@@ -70,6 +71,8 @@ class Stage:
     """Height above the floor at which each point of the soles usually bears, metres, shape (2, 3)."""
     slow: float
     """Speed below which a sole begins to bear, m/s."""
+    stature: float
+    """Metres."""
     accelerations: Array
     """99th percentile for each joint (rad/s²) and, last, for the root's place (m/s²), shape (joints + 1,)."""
     blended: Indices
@@ -104,7 +107,7 @@ class Stage:
     def _measured(cls, repertoire: Repertoire) -> Stage:
         skeleton, fps = repertoire.skeleton, repertoire.fps
         whole = Motion(skeleton, repertoire.rotations[0], repertoire.root_positions[0], fps)
-        found = _contacts.contacts(whole, ground=Floor(0.0))
+        found = _contacts.contacts(whole, ground=Floor(0.0), known=soles_of(repertoire))
         legs = inverse_kinematics.legs(skeleton, repertoire.rotations[0][:: max(1, repertoire.frame_count // 4000)])
         strands = (0, 1) if repertoire.mirrored else (0,)
         rotations = repertoire.rotations[list(strands)]
@@ -139,6 +142,7 @@ class Stage:
             found.soles,
             levels,
             found.slow,
+            found.stature,
             accelerations,
             _body_joints(repertoire),
             middle,
@@ -217,8 +221,16 @@ def seams(
     left_yaw: Array,
     entered: Indices,
     entered_yaw: Array,
+    aside: Array,
 ) -> tuple[Array, Array]:
-    """Offsets of what is entered from what is left, and how quickly they change, shapes (cuts, joints + 1, 3)."""
+    """Offsets of what is entered from what is left, and how quickly they change, shapes (cuts, joints + 1, 3).
+
+    Parameters
+    ----------
+    left, entered : moments, those left as their recordings would have gone on, shape (cuts,).
+    left_yaw, entered_yaw : by which each is turned, radians.
+    aside : by which the root of what is entered lies beside that of what is left, in the world: x, z, metres, shape (cuts, 2).
+    """
     around = np.array([[-1], [0], [1]])
     sides = np.stack([left, entered])
     moments = repertoire.advance(sides[None], around[..., None])
@@ -238,7 +250,7 @@ def seams(
     velocity = np.where(span > 0.0, change / np.maximum(span, 1.0) * fps, 0.0)
     velocity = np.where(np.linalg.norm(change, axis=-1, keepdims=True) < 2.0, velocity, 0.0)
     now = now.copy()
-    now[:, -1, [0, 2]] = 0.0  # the place on the floor is that of the recording left, by the way the paths were laid
+    now[:, -1, [0, 2]] = aside
     return now, velocity
 
 
