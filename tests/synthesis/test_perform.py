@@ -348,6 +348,9 @@ def _standing() -> kx.Motion:
     [
         (list, {}, "without recordings"),
         (lambda: [1], {}, "got int as number 1"),
+        (lambda: "walk.bvh", {}, "got str: read the file first"),
+        (lambda: [Path("walk.bvh")], {}, "as number 1: read the file first"),
+        (_standing, {"goal": goals.Target}, r"the class Target itself: give Target\("),
         (lambda: kx.performer.walk(seconds=3, fps=30).motion[3], {}, "single pose"),
         (_standing, {}, "holds one pose"),
         (lambda: kx.performer.throw(fps=30).motion, {}, "without end"),
@@ -388,6 +391,15 @@ def test_a_target_that_was_not_reached_is_told_with_advice(walks: list[kx.Motion
     behind = kx.performance(walks[0], target=(0, -4), seconds=10, bend=0)
     assert not behind.attained
     assert "turn more" in behind.motion.warnings[0]
+
+
+def test_on_and_on_it_passes_seldom_and_repeats_little(shared_data: Path) -> None:
+    """Where nothing is wished for: fewer transitions than novelty alone would make, and hardly a moment twice."""
+    clips = [kx.read(shared_data / "cmu" / n[:2] / f"{n}.amc") for n in ("91_01", "91_34")]
+    made = kx.performance(clips, seconds=30, fps=30.0)
+    restless = kx.performance(clips, seconds=30, fps=30.0, goal=goals.Novelty())
+    assert len(made.crossings) < 0.8 * len(restless.crossings)
+    assert len(np.unique(made.provenance.moment)) > 0.9 * made.motion.frame_count
 
 
 def test_little_to_choose_from_is_told() -> None:

@@ -142,7 +142,9 @@ def picture(piece: Piece) -> Figure:
     """The trail on the floor (Figure 82 of [Schultz2012]); a contact sheet where the body stays in place."""
     goal = piece.parameters
     stays = bool(np.ptp(piece.trail, axis=0).max() < IN_PLACE) and not piece.places and goal["route"] is None
-    title = f"{piece.motion.duration:.1f} s from {len(piece.sources)} recording{'s' if len(piece.sources) != 1 else ''}"
+    played = sorted({span.source for span in piece.spans})
+    whence = " and ".join(piece.sources[k].name for k in played) if len(played) <= 2 else f"{len(played)} recordings"
+    title = f"{piece.motion.duration:.1f} s from {whence}"
     if piece.outcome:
         title += f": {piece.outcome[0]}"
     if stays:

@@ -10,6 +10,7 @@ import dataclasses
 import math
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
+from os import PathLike
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -247,12 +248,14 @@ def _given(
     motions: Motion | Sequence[Motion], mapping: Mapping[str, object] | None
 ) -> tuple[list[Motion], tuple[str, ...]]:
     """Each recording once, understood by the user's mapping; and what was left out for having been given before."""
-    if not isinstance(motions, Motion | Iterable):
-        raise InputError(f"Expected motions to perform from, got {type(motions).__name__}.")
+    if isinstance(motions, str | PathLike) or not isinstance(motions, Motion | Iterable):
+        raise InputError(f"Expected motions to perform from, got {type(motions).__name__}{_read_first(motions)}.")
     given = [motions] if isinstance(motions, Motion) else list(motions)
     for k, motion in enumerate(given):
         if not isinstance(motion, Motion):
-            raise InputError(f"Expected motions to perform from, got {type(motion).__name__} as number {k + 1}.")
+            raise InputError(
+                f"Expected motions to perform from, got {type(motion).__name__} as number {k + 1}{_read_first(motion)}."
+            )
     if mapping:
         for k, motion in enumerate(given):
             try:
@@ -274,6 +277,10 @@ def _given(
             else f"{name} holds the very movement of {first}: used once, as {first}"
         )
     return once, tuple(dict.fromkeys(said))
+
+
+def _read_first(given: object) -> str:
+    return ": read the file first, kx.read(…)" if isinstance(given, str | PathLike) else ""
 
 
 def _same(a: Motion, b: Motion) -> bool:

@@ -35,6 +35,9 @@ FAVOURED: Final = 1.0
 """Weight of a favoured kind of movement beside the goal."""
 FRESH: Final = 0.05
 """Weight of not repeating oneself beside a favoured kind of movement."""
+CALM: Final = 0.3
+"""Weight of passing from recording to recording seldom and smoothly, as a share of that of not repeating oneself: half as many
+transitions or fewer, and hardly a moment comes twice that need not."""
 _SUFFIXES: Final = (".bvh", ".amc", ".glb", ".gltf", ".npz")
 """Of recordings' files: a recording may be named with or without."""
 
@@ -92,6 +95,9 @@ class Wish:
                 f"A way to the state {to_state!r} begins in a state, too: give `from_state` (--from) beside `to_state` (--to)."
             )
         own: tuple[Any, ...] = () if goal is None else tuple(goal) if isinstance(goal, (list, tuple)) else (goal,)
+        for one in own:
+            if isinstance(one, type):
+                raise InputError(f"Expected a goal, got the class {one.__name__} itself: give {one.__name__}(…).")
         return cls(
             None if target is None else goals.Target(target, radius=goals.RADIUS),  # type: ignore[arg-type]
             None if route is None else goals.Route(route),
@@ -189,7 +195,8 @@ class Wish:
         if self.favour is not None:
             out.append(goals.Favour(self.favour, weight=FAVOURED))
         if not goes_somewhere:
-            out.append(goals.Novelty(weight=1.0 if self.favour is None else FRESH))
+            fresh = 1.0 if self.favour is None else FRESH
+            out += [goals.Novelty(weight=fresh), goals.Economy(weight=CALM * fresh)]
         return out
 
     def plain(self) -> dict[str, Any]:
