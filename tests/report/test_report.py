@@ -25,7 +25,6 @@ from kinesics.grammar.graph import Path as GraphPath
 from kinesics.grammar.graph import Source as GraphSource
 from kinesics.report import folder as folder_module
 from kinesics.report import pictures
-from kinesics.report.graph_files import graphml
 
 PROMISED = {
     "analysis.json",
@@ -310,8 +309,8 @@ def test_graphs_are_well_formed(saved: tuple[kx.Analysis, Path]) -> None:
     import networkx as nx
 
     assert set(nx.read_graphml(saved[1] / "graph.graphml", force_multigraph=True).nodes) == {"A", "A*"}
-    assert len(nx.read_graphml(io.BytesIO(graphml(MotionGraph()).encode()))) == 0
-    full = nx.read_graphml(io.BytesIO(graphml(_full().graph).encode()), force_multigraph=True)
+    assert len(nx.read_graphml(io.BytesIO(MotionGraph().to_graphml().encode()))) == 0
+    full = nx.read_graphml(io.BytesIO(_full().graph.to_graphml().encode()), force_multigraph=True)
     assert list(full.nodes) == ["A", "A*"]
     assert [d["label"] for *_, d in full.edges(data=True)] == ["aa*_1"]
     assert ET.parse(saved[1] / "graph.svg").getroot().tag.endswith("svg")

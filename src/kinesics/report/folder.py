@@ -16,7 +16,7 @@ from typing import Any, Final
 from kinesics.analysis import Analysis
 from kinesics.errors import FileError, InputError
 from kinesics.progress import Progress, silent
-from kinesics.report import graph_files, page, pictures, tables
+from kinesics.report import page, pictures, tables
 
 FACTS: Final = "analysis.json"
 FRAMES: Final = "frames.csv"
@@ -129,7 +129,7 @@ def _contents(analysis: Analysis, palette: str, report: Progress) -> Iterator[tu
         "zz.png": drawn.square,
         "zz-triangle.png": drawn.triangle,
         "graph.svg": drawn.graph,
-        "graph.graphml": graph_files.graphml(analysis.graph).encode(),
+        "graph.graphml": analysis.graph.to_graphml().encode(),
         "phrases.csv": tables.phrases(analysis).encode(),
         "motifs.csv": tables.motifs(analysis).encode(),
         "cycles.csv": tables.cycles(analysis).encode(),
