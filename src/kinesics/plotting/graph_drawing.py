@@ -1,7 +1,7 @@
 """The motion graph on paper, in the composite layout of [Schultz2012] §3.5-3.6 (Figures 64-71).
 
 Symmetric states stand on the central vertical axis, A left and A* right of it. Where the states stand is found in
-`kinesics.plotting.graph_layout`, how the arrows run in `graph_curves`.
+`kinesics.plotting.graph_layout`, how the arrows run in `kinesics.plotting.graph_curves`.
 """
 
 from __future__ import annotations

@@ -219,7 +219,7 @@ class Piece:
         }
 
     def to_dict(self) -> dict[str, Any]:
-        """All of it in plain values, as ``*.provenance.json`` holds it (`kinesics.report.performance_schema`)."""
+        """All of it in plain values, as ``*.provenance.json`` holds it (`kinesics.report.performances.performance_schema`)."""
         from kinesics import __version__
 
         motion, net = self.motion, self.network
