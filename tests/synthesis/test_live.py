@@ -92,10 +92,10 @@ def test_the_body_faces_where_it_is_told_to(made: Network, heading: float) -> No
 def test_bent_ways_are_those_of_the_whole(made: Network, rng: np.random.Generator) -> None:
     """Bent path by path, the body goes where it goes when all is performed at once."""
     paths = [3]
-    while len(paths) < 40:
+    while len(paths) < 120:
         may = made.successors(paths[-1])
         onward = may[made.first[may] == made.onward[paths[-1]]]
-        paths.append(int(rng.choice(onward if len(onward) and len(paths) % 8 else may)))
+        paths.append(int(rng.choice(onward if len(onward) and len(paths) % 12 else may)))
     bend = rng.uniform(-0.2, 0.2, len(paths))
     done = render(made, paths, start=(1.0, 2.0), heading=0.5, bend=bend, pinned=False)
     chosen = ((path, float(angle)) for path, angle in zip(paths, bend, strict=True))

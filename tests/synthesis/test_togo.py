@@ -135,8 +135,10 @@ def test_looked_up_as_the_twin_does(monkeypatch: pytest.MonkeyPatch, rng: np.ran
 
 
 @pytest.mark.skipif(compiled.native is None, reason="built without the compiled module")
-def test_what_does_not_fit_is_not_looked_up() -> None:
+def test_what_does_not_fit_is_not_looked_up(monkeypatch: pytest.MonkeyPatch) -> None:
     """Paths that there are no tables for are refused by the compiled module too."""
+    monkeypatch.delenv("KINESICS_KERNEL", raising=False)
+    monkeypatch.delenv("KINESICS_NO_NATIVE", raising=False)
     ready = prospects(walking(left=0.2, ahead=0.0))
     ahead, trail = ready.to_go(RADIUS, 0.0), ready.along(slice(0, 4))
     with pytest.raises(ValueError, match="seconds_by"):
