@@ -87,6 +87,10 @@ def test_slices_and_bad_shapes(rng: np.random.Generator) -> None:
         pose.PoseSequence(q, np.zeros(11), np.zeros((12, 2)), 30.0)
     with pytest.raises(InputError, match="not finite"):
         pose.PoseSequence(np.full((1, 15, 4), np.nan), np.zeros(1), np.zeros((1, 2)), 30.0)
+    with pytest.raises(InputError, match="`yaw` is not finite"):
+        pose.PoseSequence(q, np.full(12, np.nan), np.zeros((12, 2)), 30.0)
+    with pytest.raises(InputError, match="`ground` is not finite"):
+        pose.PoseSequence(q, np.zeros(12), np.full((12, 2), np.inf), 30.0)
 
 
 def test_one_index_gives_one_frame(rng: np.random.Generator) -> None:

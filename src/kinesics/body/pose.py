@@ -75,6 +75,8 @@ class PoseSequence:
             values = np.ascontiguousarray(getattr(self, label), dtype=np.float64)
             if values.shape != (frames, *width):
                 raise InputError(f"Expected `{label}` of shape {(frames, *width)}, got {values.shape}.")
+            if not np.isfinite(values).all():
+                raise InputError(f"`{label}` is not finite.")
             object.__setattr__(self, label, values)
         if self.yaw_undefined is None:
             object.__setattr__(self, "yaw_undefined", np.zeros(frames, dtype=np.bool_))
