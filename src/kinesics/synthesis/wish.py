@@ -35,9 +35,10 @@ FAVOURED: Final = 1.0
 """Weight of a favoured kind of movement beside the goal."""
 FRESH: Final = 0.05
 """Weight of not repeating oneself beside a favoured kind of movement."""
-CALM: Final = 0.3
-"""Weight of passing from recording to recording seldom and smoothly, as a share of that of not repeating oneself: half as many
-transitions or fewer, and hardly a moment comes twice that need not."""
+CALM: Final = 0.1
+"""Weight of passing from recording to recording seldom and smoothly, as a share of that of not repeating oneself: a third to two
+thirds of the transitions are left, and hardly a moment comes twice for it. With three times as much some recordings would be
+played from end to end, which is nothing new."""
 _SUFFIXES: Final = (".bvh", ".amc", ".glb", ".gltf", ".npz")
 """Of recordings' files: a recording may be named with or without."""
 
