@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -28,12 +28,12 @@ class HasSimilarity(Protocol):
     """What the plots need of a result: `kinesics.similarity.Similarity` and `PooledSimilarity` have it."""
 
     @property
-    def z(self) -> Any:
+    def z(self) -> NDArray[np.floating]:
         """Similarity, shape (n, n)."""
         ...
 
     @property
-    def z_mirror(self) -> Any:
+    def z_mirror(self) -> NDArray[np.floating]:
         """Anti-similarity, shape (n, n)."""
         ...
 
