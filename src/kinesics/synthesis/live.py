@@ -86,6 +86,7 @@ class LiveRenderer:
             joint = network.repertoire.skeleton.parents[joint]
             self._above.insert(0, joint)
         self._starts = network.repertoire.starts.tolist()
+        network.edges(0, 0), network.met, network.onward  # tables that are made when first asked for
         joints = network.repertoire.skeleton.joint_count
         self.path = -1
         """Number of the path that is being performed, −1 before the first frame."""
@@ -172,11 +173,12 @@ class LiveRenderer:
         if self.path < 0:
             self._turn = self.heading - float(repertoire.yaw_of(first))
         else:
-            if path not in network.successors(self.path):
+            edge = int(network.edges(self.path, path))
+            if edge < 0:
                 raise InputError(f"Path {path} does not follow path {self.path}.")
             left = int(network.onward[self.path])
             if first != left:
-                self._cut(left, first, int(network.edges(self.path, path)))
+                self._cut(left, first, edge)
         self.path, self.moment, self._left = path, first, int(network.length[path])
         self._bend = bend / self._left
         self._onwards = -1 if bool(repertoire.is_backward(first)) else 1
