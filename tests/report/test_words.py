@@ -136,6 +136,36 @@ def test_a_half_that_mirrors_the_other_is_noteworthy() -> None:
     assert not any("mirror image" in s for s in words.surprises(walk))
 
 
+@pytest.mark.parametrize(
+    ("mirrored", "backwards", "said"),
+    [
+        (False, False, "the same as"),
+        (True, False, "the mirror image of"),
+        (False, True, "the same, played backwards, as"),
+        (True, True, "the mirror image, played backwards, of"),
+    ],
+)
+def test_only_a_large_part_that_is_another_part_is_noteworthy(
+    jacks: kx.Analysis, mirrored: bool, backwards: bool, said: str
+) -> None:
+    """As long as three tenths of the recording, apart from the other, of the same recording, and no cycle."""
+    (source,) = jacks.sources
+    once = replace(source, overall=replace(source.overall, period_s=None))
+
+    def told(first: tuple[int, int], second: tuple[int, int], *, of: int = 0, whole: facts.Source = once) -> int:
+        members = (facts.MotifMember(0, *first, False, False), facts.MotifMember(of, *second, backwards, mirrored))
+        motif = facts.Motif(0, "any", 0.95, members)
+        return sum(said in s for s in words.surprises(replace(jacks, sources=(whole,), motifs=(motif,))))
+
+    assert source.frames == 360
+    assert told((0, 150), (180, 330)) == told((180, 330), (0, 150)) == 1
+    assert told((0, 108), (108, 216)) == 1
+    assert told((0, 107), (107, 214)) == 0
+    assert told((0, 150), (149, 330)) == 0
+    assert told((0, 150), (180, 330), of=1) == 0
+    assert told((0, 150), (180, 330), whole=source) == 0
+
+
 def test_rest_and_lingering_are_two_things(jacks: kx.Analysis) -> None:
     """Where a graph has stays that are no rests, the line says both."""
     source = GraphSource("a", jacks.sources[0].frames, jacks.sources[0].fps)
