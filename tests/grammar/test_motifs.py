@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
 
 import kinesics as kx
 from kinesics.body import pose
@@ -260,6 +261,21 @@ def test_states_of_a_long_rest_take_no_square_of_it(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(linkage, "CELLS", 20_000)
     assert motifs.find_state_repetitions(moments) == at_once
     assert largest <= 20_000 < 0.02 * calm**2
+
+
+@pytest.mark.parametrize("noise", [0.2, 3.0, 5.0])
+@pytest.mark.parametrize("seed", [13, 21])
+def test_swaying_under_a_noisy_sensor_is_no_motif(noise: float, seed: int) -> None:
+    """Who stands and sways by 2° repeats nothing, and noise beyond that does not make one moment like another."""
+    rng = np.random.default_rng(seed)
+    standing = np.repeat(_poses("squat")[:1], 900, axis=0)
+    sway = gaussian_filter1d(rng.normal(size=(900, 15, 3)), 0.5 * FPS, axis=0)
+    turn = np.deg2rad(2.0 * sway / sway.std() + noise * rng.normal(size=sway.shape))
+    change = np.concatenate([np.ones((900, 15, 1)), 0.5 * turn], axis=-1)
+    q = quaternion.multiply(standing, change / np.linalg.norm(change, axis=-1, keepdims=True))
+    moments = from_poses(_sequence(q))
+    assert motifs.find_motifs(moments) == ()
+    assert motifs.find_state_repetitions(moments) == ()
 
 
 def test_frames_instead_of_moments() -> None:

@@ -50,7 +50,8 @@ FULL_RATE_MOMENTS: Final = 6000
 """Up to so many moments are read one by one, of longer recordings as many as make `kinesics.grammar.phrases.RATE` a second."""
 _RANGE: Final = 1.3
 _SWAY: Final = 4e-4
-"""Range of a body at rest, beyond the noise (as in `kinesics.grammar.evidence`)."""
+"""Range of a body at rest, beyond the noise (as in `kinesics.grammar.evidence`). What moves by less than the noise rests, too: the
+cheapest of many paths through noise is nearer than the noise lets it be."""
 _DROP: Final = 0.4
 """An extension ends when it has lost what this many seconds of perfect agreement gain."""
 _BEND: Final = 0.02
@@ -150,15 +151,16 @@ class _Search:
         n, fps = moments.count, moments.fps
         self.half = max(2, round(SEED_S * fps))
         by_lag = moments.d_by_lag(2 * self.half + 1)
-        floor = _SWAY + _RANGE * moments.noise
-        range_ = _RANGE * spread(by_lag, self.half)
-        self.range: Array = np.where(range_ > floor, range_, 0.0)
-        self.still = _RANGE * spread(by_lag, max(1, round(0.5 * REST_S * moments.fps))) <= floor
+        range_ = _without_noise(moments, spread(by_lag, self.half))
+        self.floor = _floor(moments)
+        self.range: Array = np.where(range_ > self.floor, range_, 0.0)
+        resting = spread(by_lag, max(1, round(0.5 * REST_S * moments.fps)))
+        self.still = _without_noise(moments, resting) <= self.floor
         finite = by_lag[1:][np.isfinite(by_lag[1:])]
         self.bend = np.float32(
             _BEND * float(np.median(finite[:: max(1, len(finite) // 100_000)])) if len(finite) else 0.0
         )
-        self.short_range = _RANGE * spread(by_lag, self.half // 2)
+        self.short_range = _without_noise(moments, spread(by_lag, self.half // 2))
         self.block: tuple[int, tuple[Floats, Floats] | None] = (0, None)
         self.explained = np.zeros(n, dtype=np.bool_)
         self.way = np.concatenate([[0.0], np.cumsum(_quiet_speed(moments)[1:])])
@@ -338,9 +340,8 @@ class _Search:
         """The stretch and all other places where it is found, non-overlapping, the nearest ones first."""
         moments = self.moments
         n = moments.count
-        size = float(np.mean(self.range[a:b]))
         own = moments.tile(slice(a, b), slice(a, b))[0]
-        size = max(_RANGE * float(own.mean()), 1e-12)
+        size = max(float(_without_noise(moments, own.mean())), 1e-12)
         first = Member(a, b, False, False, 0.0, tuple((k, k) for k in range(a, b)))
         candidates: list[tuple[float, int, int, int]] = []
         tables = {}
@@ -377,7 +378,8 @@ class _Search:
 
     def _moves(self, a: int, b: int, size: float) -> bool:
         index = np.unique(np.linspace(a, b - 1, 24).round().astype(np.intp))
-        return _RANGE * float(self.moments.thinned(index)[0].mean()) > max(0.25 * size, _SWAY)
+        moved = float(_without_noise(self.moments, self.moments.thinned(index)[0].mean()))
+        return moved > max(0.25 * size, self.floor)
 
 
 _KEPT_CELLS: Final = 4_000_000
@@ -494,6 +496,16 @@ def _path(tile: Floats, bend: float) -> list[tuple[int, int]]:
     return out[::-1]
 
 
+def _without_noise(moments: Moments, spread_: Array | np.floating) -> Array:
+    """The range of a movement, from the mean distance of its moments: without what the noise adds to each distance."""
+    return _RANGE * np.maximum(np.asarray(spread_, dtype=np.float64) - moments.noise, 0.0)
+
+
+def _floor(moments: Moments) -> float:
+    """Range up to which a body rests."""
+    return _SWAY + moments.noise
+
+
 def _valleys(values: Array | Floats, below: float, apart: int) -> list[int]:
     """Indices of the minima under a level, each the lowest within ``apart``, the lowest first."""
     n = len(values)
@@ -553,15 +565,15 @@ def find_reversals(moments: Moments) -> tuple[Reversal, ...]:
         return ()
     by_lag = moments.d_by_lag(2 * max(reaches) + 1)
     bend = lags.bend_cost(by_lag)
-    floor = _SWAY + _RANGE * moments.noise
+    floor = _floor(moments)
     places = np.arange(2 * n - 1)
     least = np.full(2 * n - 1, np.inf)
     judged = np.zeros(2 * n - 1, dtype=np.bool_)
     on = _speed_on_moments(moments)
-    around = _RANGE * spread(by_lag, reaches[-1])
+    around = _without_noise(moments, spread(by_lag, reaches[-1]))
     widest = 0.5 * (around[places // 2] + around[(places + 1) // 2])
     for reach in reaches:
-        range_ = _RANGE * spread(by_lag, reach)
+        range_ = _without_noise(moments, spread(by_lag, reach))
         # a place between two moments has the range of both
         size = 0.5 * (range_[places // 2] + range_[(places + 1) // 2])
         mean = np.convolve(np.pad(on, reach, mode="edge"), np.ones(2 * reach + 1) / (2 * reach + 1), "valid")
