@@ -171,8 +171,8 @@ def test_rest_and_lingering_are_two_things(jacks: kx.Analysis) -> None:
     source = GraphSource("a", jacks.sources[0].frames, jacks.sources[0].fps)
     half = source.frames // 2
     held = MotionGraph(
-        (State(0, "A", stays=(Stay(0, 0, half),)),),
-        (GraphPath(0, "aa_1", 0, 0, 1, occurrences=(Occurrence(0, half, source.frames),)),),
+        (State(0, "A", stays=(Stay(0, half, source.frames),)),),
+        (GraphPath(0, "aa_1", 0, 0, 1, occurrences=(Occurrence(0, 0, half),)),),
         (source,),
     )
     assert "at rest 0% of the time (it lingers in poses of the graph, if only for a moment, 50% of" in words.stillness(
