@@ -287,3 +287,15 @@ def test_a_forked_skeleton_as_deep_as_a_well_is_looked_at() -> None:
     skeleton = Skeleton(tuple(f"j{k}" for k in range(4001)), parents, np.ones((4001, 3)))
     with pytest.raises(SkeletonError, match="cannot be understood"):
         roles.identify(skeleton, np.ones((1, 4001, 3)))
+
+
+def test_sides_of_what_is_no_human_body_are_told_by_names() -> None:
+    """Wings change places and the tail does not; Tip1 with Tip1, whatever their order in the file."""
+    skeleton = tree(
+        "Root:- LeftWing:Root LeftTip1:LeftWing LeftTip2:LeftWing Tail:Root RightWing:Root RightTip2:RightWing "
+        "RightTip1:RightWing"
+    )
+    partner = mirroring.partners(skeleton)
+    told = {a: skeleton.joint_names[partner[j]] for j, a in enumerate(skeleton.joint_names)}
+    swapped = {"LeftWing": "RightWing", "LeftTip1": "RightTip1", "LeftTip2": "RightTip2"}
+    assert told == {"Root": "Root", "Tail": "Tail", **swapped, **{b: a for a, b in swapped.items()}}
