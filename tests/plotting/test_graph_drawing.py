@@ -73,6 +73,26 @@ def test_a_picture_is_racemised_without_moving() -> None:
     assert sorted(_centres(plotting.graph_plot(graph.racemic()))) == [(x, y), (-x, y)]
 
 
+@pytest.mark.parametrize("pairs", [1, 2, 3])
+@pytest.mark.parametrize("middle", [0, 1, 2])
+def test_parallel_arrows_between_symmetric_states_are_evenly_spread(pairs: int, middle: int) -> None:
+    """Symmetric paths keep to the axis, the others stand left of it and their mirror images right, all equally far apart."""
+    paths = [Path(k, from_=0, to=1, mirror_of=k ^ 1) for k in range(2 * pairs)]
+    paths += [Path(2 * pairs + k, from_=0, to=1, symmetric=True) for k in range(middle)]
+    graph = build([State(0, symmetric=True), State(1, symmetric=True)], paths)
+    ax = plotting.graph_plot(graph)
+    middles = sorted(float(max(line.get_xdata(), key=abs)) for line in _arrows(ax))
+    assert len(middles) == 2 * pairs + middle
+    np.testing.assert_allclose(middles, np.negative(middles[::-1]), atol=1e-6)
+    gaps = np.diff(middles)
+    assert gaps.min() > 0.15
+    np.testing.assert_allclose(gaps, gaps[0], rtol=0.01)
+    where = {t.get_text(): t.get_position()[0] for t in ax.texts}
+    starred = [x for label, x in where.items() if label.startswith("(")]
+    assert len(starred) == pairs
+    assert min(starred) > 0.0
+
+
 @pytest.mark.parametrize(
     ("name", "states", "heads", "labels"),
     [
