@@ -1,0 +1,53 @@
+"""Goals by themselves: what they weigh, on a small network whose numbers are plain."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from floor_networks import walker
+from kinesics.synthesis.goals import Novelty, OwnFeature, Situation
+from kinesics.synthesis.goals.favours import SOON
+from kinesics.synthesis.network import Network
+from kinesics.synthesis.prospects import prospects
+
+AHEAD, STAND = 0, 3
+
+
+class Standing:
+    """1 of the path that stands, 0 of all others; none is wished for."""
+
+    weight = 1.0
+
+    def values(self, network: Network) -> list[float]:
+        return [0.0, 0.0, 0.0, 1.0]
+
+    def wish(self, now: Situation) -> float:
+        return 0.0
+
+
+@pytest.mark.parametrize("lookahead", [0.0, 1.0, 3.0])
+def test_what_comes_late_counts_less(lookahead: float) -> None:
+    """A path counts e times less for every `SOON`-th part of the lookahead that it comes later; without one all count alike."""
+    net = walker()
+    pursuit = OwnFeature(Standing()).pursuit(net, prospects(net, lookahead))
+    now = Situation()
+    first, second = float(net.duration[STAND]), float(net.duration[AHEAD])
+    faded = [math.exp(-SOON * begins / lookahead) if lookahead else 1.0 for begins in (first, second)]
+    at_once = first / (first + second * faded[0])
+    later = first * faded[1] / (second + first * faded[1])
+    expected = (later / at_once) ** 2
+    got = pursuit.chain([AHEAD, STAND], now) / pursuit.chain([STAND, AHEAD], now)
+    assert got == pytest.approx(expected, rel=1e-9)
+    assert expected < 1.0 or not lookahead
+
+
+def test_before_anything_was_played_all_is_new() -> None:
+    """Nothing is missed, for each of the rows that are asked for."""
+    net = walker()
+    ready = prospects(net, 1.0)
+    paths = len(net.first)
+    now = Situation(last_played=np.full(paths, -np.inf), plays=np.zeros(paths, dtype=np.intp))
+    np.testing.assert_array_equal(Novelty().pursuit(net, ready).miss(slice(3, 8), now, 0.0), np.zeros(5))
