@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from floor_networks import walker
-from kinesics.synthesis.goals import Novelty, OwnFeature, Situation
+from kinesics.synthesis.goals import Goal, MovingTarget, Novelty, OwnFeature, Route, Situation, Target, TrailPursuit
 from kinesics.synthesis.goals.favours import SOON
 from kinesics.synthesis.network import Network
 from kinesics.synthesis.prospects import prospects
@@ -51,3 +51,23 @@ def test_before_anything_was_played_all_is_new() -> None:
     paths = len(net.first)
     now = Situation(last_played=np.full(paths, -np.inf), plays=np.zeros(paths, dtype=np.intp))
     np.testing.assert_array_equal(Novelty().pursuit(net, ready).miss(slice(3, 8), now, 0.0), np.zeros(5))
+
+
+@pytest.mark.parametrize(
+    "goal", [Route([(0.0, 0.0), (1.5, 2.0), (0.0, 5.0)]), MovingTarget(lambda t: (0.5 * t, 1.0)), Target((2.0, 2.0))]
+)
+@pytest.mark.parametrize("heading", [0.0, 2.0])
+def test_a_way_that_may_be_bent_leads_no_farther_from_the_wish(goal: Goal, heading: float) -> None:
+    """The bend that is added is the one that helps; of a way by itself it is said, and no more than is allowed."""
+    ready = prospects(walker(), 2.0)
+    pursuit = goal.pursuit(walker(), ready)
+    assert isinstance(pursuit, TrailPursuit)
+    pursuit.prepare(0.4)
+    now = Situation(place=0.3 + 0.2j, heading=heading)
+    trail = ready.along(slice(0, len(ready.sequence)))
+    straight, bent = pursuit.weigh(trail, now, 0.0), pursuit.weigh(trail, now, 0.4)
+    assert (bent <= straight + 1e-6).all()
+    assert (bent < straight - 1e-3).any()
+    bends = [pursuit.bend(ready.along(slice(k, k + 1)), now, 0.4) for k in range(40)]
+    assert max(map(abs, bends)) <= 0.4 + 1e-6
+    assert max(map(abs, bends)) > 0.01
