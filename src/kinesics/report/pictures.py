@@ -298,9 +298,13 @@ def _phrases(analysis: Analysis, source: int) -> Figure:
         fps = analysis.sources[source].fps
         begins = [c.start / fps for c in analysis.cycles if c.phrase == number]
         ax.vlines(begins, 0.0, 0.28, color=INK, linewidth=0.7)
-        said = "rest" if still else phrase.group or words.kind(phrase)
+        kind = words.kind(phrase)
+        # there are more kinds than colours: the number first
+        told = ["rest"] if still else [f"{kind}  {phrase.group}" if phrase.group else kind, kind]
         # some 5 pixels a letter
-        if (phrase.end_s - phrase.start_s) / analysis.sources[source].duration_s * 860 > 7 * len(said):
+        room = (phrase.end_s - phrase.start_s) / analysis.sources[source].duration_s * 860 / 7
+        said = next((t for t in told if len(t) < room), None)
+        if said is not None:
             middle = 0.5 * (phrase.start_s + phrase.end_s)
             ax.text(middle, 0.62, said, ha="center", va="center", fontsize=8, color=INK)
     ax.set_xlim(0.0, analysis.sources[source].duration_s)
