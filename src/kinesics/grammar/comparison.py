@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 from kinesics.grammar.graph import MotionGraph, Path
 
 if TYPE_CHECKING:
-    import networkx as nx  # type: ignore[import-untyped]
+    import networkx as nx
 
 Kind = tuple[bool, bool, bool, bool]
 """Of a path: reversible, symmetric, antipalindromic, its mirror image is in the graph."""

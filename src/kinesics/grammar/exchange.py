@@ -13,7 +13,7 @@ from kinesics.grammar import notation
 from kinesics.grammar.graph import MotionGraph, Occurrence, Path, Source, State, Stay
 
 if TYPE_CHECKING:
-    import networkx as nx  # type: ignore[import-untyped]
+    import networkx as nx
 
     from kinesics.grammar.information import Information
 

@@ -30,7 +30,7 @@ from typing import TYPE_CHECKING, Any, Final
 from kinesics.errors import InputError
 
 if TYPE_CHECKING:
-    import networkx as nx  # type: ignore[import-untyped]
+    import networkx as nx
 
     from kinesics.grammar.comparison import EditDistance
     from kinesics.grammar.information import Information
