@@ -165,6 +165,8 @@ def test_what_cannot_be_performed_is_refused() -> None:
             repertoire([walk], fps=rate)
     with pytest.raises(InputError, match=r"Expected 8 frames a second or more .* got `fps` = 1: one recording passes"):
         repertoire([walk], fps=1.0)
+    with pytest.raises(InputError, match=r"at most 1000 frames a second .* got `fps` = 100000"):
+        repertoire([walk], fps=1e5)
     with pytest.raises(InputError, match=r"walk has 2 frames a second, fewer than the 8"):
         repertoire([walk.replace(fps=2.0)])
     with pytest.raises(InputError, match=r"Too short to perform from: 'walk' lasts 0.2 s, 12 frames"):

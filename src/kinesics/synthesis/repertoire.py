@@ -40,6 +40,9 @@ BACKWARD_STRANDS: Final = (False, False, True, True)
 LEAST_FPS: Final = 8.0
 """Frames a second: one recording goes over into another within a quarter of a second, which has to hold two frames."""
 
+MOST_FPS: Final = 1000.0
+"""Frames a second: no body has anything to say between more."""
+
 LEAST_SECONDS: Final = 0.5
 """Of the longest recording: in less, nothing can be left and come back to."""
 
@@ -328,6 +331,8 @@ def _rate(fps: float | None, motions: Sequence[Motion], names: Sequence[str]) ->
     why = "one recording passes into another within a quarter of a second, which has to hold two frames or more"
     if fps is not None and rate < LEAST_FPS:
         raise InputError(f"Expected {LEAST_FPS:g} frames a second or more to perform at, got `fps` = {rate:g}: {why}.")
+    if fps is not None and rate > MOST_FPS:
+        raise InputError(f"Expected at most {MOST_FPS:g} frames a second to perform at, got `fps` = {rate:g}.")
     for name, motion in zip(names, motions, strict=True):
         if motion.fps < LEAST_FPS:
             raise InputError(

@@ -240,8 +240,8 @@ def check_names(net: Network, wish: Wish, grammar: Grammar) -> None:
         if state in states and state not in there:
             raise InputError(
                 f"The state {state!r} is in the recordings, but no transition leads {'from' if there is net.state_from else 'to'} "
-                "it and back again. Give longer recordings, in which it returns, or a larger `threshold` (--threshold); or ask "
-                f"for one of: {', '.join(sorted(set(there) - {''}))}."
+                "it and back again. Give longer recordings, in which it returns; or ask for one of: "
+                f"{', '.join(sorted(set(there) - {''}))}."
             )
     known = states | {p.label for p in graph.paths} | {p.class_ or "" for p in grammar.phrases}
     known |= {p.name or "" for p in grammar.phrases}

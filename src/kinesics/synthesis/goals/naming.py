@@ -82,8 +82,8 @@ def unusable(names: Sequence[str]) -> InputError:
     it = "it" if len(names) == 1 else "them"
     return InputError(
         f"Nothing can be performed of {some_of(names, _SEVERAL)}, which {'is' if len(names) == 1 else 'are'} to be favoured: no "
-        f"transition leads there and back again. Give recordings nearer to {it} or longer ones, a larger `threshold` "
-        f"(--threshold), or perform from {it} alone."
+        f"transition leads there and back again. Give longer recordings, or others that are nearer to {it} in pose, speed and "
+        f"footing; or perform from {it} alone."
     )
 
 
