@@ -383,8 +383,8 @@ def _doubts(piece: Piece, wish: Wish, ahead: Prospects, most: float, seconds: fl
     none_of = list(dict.fromkeys(p.recording for p in piece.pruned if p.everything))
     if none_of:
         out.append(
-            f"nothing is performed of {some_of(none_of, 8)}: no transition leads there and back again; recordings longer, or nearer to "
-            "the others in pose, speed and footing, would join it"
+            f"nothing is performed of {some_of(none_of, 8)}: no transition leads there and back again; longer "
+            "recordings, or others nearer in pose, speed and footing, would join it"
         )
     repeated = piece.motion.duration / piece.network.seconds
     if not wish.ends and repeated >= REPEATED:
