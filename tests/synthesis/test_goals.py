@@ -8,7 +8,18 @@ import numpy as np
 import pytest
 
 from floor_networks import walker
-from kinesics.synthesis.goals import Goal, MovingTarget, Novelty, OwnFeature, Route, Situation, Target, TrailPursuit
+from kinesics.synthesis.goals import (
+    Goal,
+    Heading,
+    MovingTarget,
+    Novelty,
+    OwnFeature,
+    Route,
+    Situation,
+    Speed,
+    Target,
+    TrailPursuit,
+)
 from kinesics.synthesis.goals.favours import SOON
 from kinesics.synthesis.network import Network
 from kinesics.synthesis.prospects import prospects
@@ -71,3 +82,15 @@ def test_a_way_that_may_be_bent_leads_no_farther_from_the_wish(goal: Goal, headi
     bends = [pursuit.bend(ready.along(slice(k, k + 1)), now, 0.4) for k in range(40)]
     assert max(map(abs, bends)) <= 0.4 + 1e-6
     assert max(map(abs, bends)) > 0.01
+
+
+def test_misses_are_counted_in_spreads() -> None:
+    """Of a speed in the middle of all that there are the mean square miss is 1; headings count all along the way."""
+    ready = prospects(walker(), 2.0)
+    now, trail, rows = Situation(heading=0.5), ready.trail, slice(0, len(ready.sequence))
+    speeds = (trail.travelled[:, -1] / trail.times[:, -1]).astype(np.float64)
+    even = Speed(float(speeds.mean())).pursuit(walker(), ready).miss(rows, now, 0.0)
+    assert even.mean() == pytest.approx(1.0, rel=1e-4)
+    off = np.angle(np.exp(1j * (0.5 + trail.headings.astype(np.float64) - 1.2)))
+    expected = np.mean(off**2, axis=1) / np.var(trail.headings[:, -1])
+    np.testing.assert_allclose(Heading(1.2).pursuit(walker(), ready).miss(rows, now, 0.0), expected, rtol=1e-4)
