@@ -22,6 +22,7 @@ def sum_of_squares(
     usual: Usual,
     fps: float,
     bounds: Bounds,
+    both: Array,
 ) -> float:
     """Of what is added to feet (frames, 2, 3) and body (frames, 3)."""
     total = 0.0
@@ -29,13 +30,16 @@ def sum_of_squares(
     for t in range(frames):
         for k in (0, 1):
             total += (press[t, k] * (feet[t, k, 1] + height[t, k]) / footing.HEIGHT) ** 2
-            apart = feet[t, k] - body[t] - bounds.place[t, k]
-            total += float(apart @ apart) / bounds.tolerance[t, k] ** 2
+            apart = feet[t, k] - body[t]
+            total += float(apart @ apart) / footing.ASTRAY**2
+            if bounds.way[t, k].any():
+                total += ((float(bounds.way[t, k] @ apart) - bounds.least[t, k]) / footing.BOUND) ** 2
             if t > 0:
                 slips = (feet[t, k] - feet[t - 1, k])[[0, 2]] + slid[t - 1, k]
                 total += (grip[t - 1, k] * fps / footing.SLIP) ** 2 * float(slips @ slips)
         weights = np.array([footing.ADRIFT, footing.SINKING, footing.ADRIFT])
-        total += float(np.sum((body[t] / weights) ** 2))
+        shares = np.array([1.0, 0.0, 1.0]) * (1.0 - footing._LEFT) * both[t]
+        total += float(np.sum((1.0 - shares) * (body[t] / weights) ** 2))
     for t in range(1, frames - 1):
         bent = [[], [], []]
         for n, s in enumerate((t - 1, t, t + 1)):

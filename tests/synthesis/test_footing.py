@@ -27,28 +27,37 @@ def walk(rng: np.random.Generator, frames: int) -> tuple[Array, Array, Array, Ar
     return slid, grip, height, standing.astype(float), footing.legs_of(hips, knees, ankles)
 
 
+def sought(
+    slid: Array, grip: Array, height: Array, press: Array, leg: Leg, bounds: Bounds, both: Array | float = 0.0
+) -> footing.Footing:
+    stiff = footing.stiffness(leg, USUAL, FPS)
+    return footing.footing(slid, grip, height, press, stiff, FPS, bounds, both)
+
+
 def test_the_least_is_found(rng: np.random.Generator) -> None:
     """Whatever is changed, the sum of squares that the twin adds up grows."""
     given = walk(rng, 20)
-    bounds = Bounds(0.01 * rng.normal(size=(20, 2, 3)), rng.uniform(0.002, 0.02, (20, 2)))
-    found = footing.footing(*given, USUAL, FPS, bounds)
-    least = naive.sum_of_squares(found.feet, found.body, *given, USUAL, FPS, bounds)
+    way = rng.normal(size=(20, 2, 3))
+    way *= (rng.random((20, 2)) < 0.5)[..., None] / np.linalg.norm(way, axis=-1, keepdims=True)
+    bounds, both = Bounds(way, rng.uniform(-0.01, 0.02, (20, 2))), rng.random(20)
+    found = sought(*given, bounds, both)
+    least = naive.sum_of_squares(found.feet, found.body, *given, USUAL, FPS, bounds, both)
     for _ in range(50):
         feet = found.feet + 1e-4 * rng.normal(size=found.feet.shape)
         body = found.body + 1e-4 * rng.normal(size=found.body.shape)
-        assert naive.sum_of_squares(feet, body, *given, USUAL, FPS, bounds) > least
+        assert naive.sum_of_squares(feet, body, *given, USUAL, FPS, bounds, both) > least
     for axis in range(3):
         body = found.body.copy()
         for step in (-1e-6, 1e-6):
             body[7, axis] = found.body[7, axis] + step
-            assert naive.sum_of_squares(found.feet, body, *given, USUAL, FPS, bounds) > least
+            assert naive.sum_of_squares(found.feet, body, *given, USUAL, FPS, bounds, both) > least
 
 
 def test_a_bearing_foot_stays(rng: np.random.Generator) -> None:
     """What a sole slides while it bears is taken away, to less than a millimetre a contact."""
     slid, grip, _, press, leg = walk(rng, 64)
     height = np.broadcast_to(np.array([0.02, -0.02]), (64, 2))
-    found = footing.footing(slid, grip, height, press, leg, USUAL, FPS, Bounds.none(64))
+    found = sought(slid, grip, height, press, leg, Bounds.none(64))
     left = np.diff(found.feet[..., [0, 2]], axis=0) + slid
     assert np.abs(left[grip > 0.0]).sum() / 8 < 1e-3
     assert np.abs((found.feet[..., 1] + height)[press > 0.0]).max() < 0.015
@@ -58,14 +67,12 @@ def test_nothing_is_asked_nothing_is_added(rng: np.random.Generator) -> None:
     """Feet that neither slide nor hover are left alone, and so are feet in the air."""
     slid, grip, height, press, leg = walk(rng, 30)
     for weight in (1.0, 0.0):
-        found = footing.footing(
+        found = sought(
             (1.0 - weight) * slid,
             weight * grip,
             (1.0 - weight) * height,
             weight * press,
             leg,
-            USUAL,
-            FPS,
             Bounds.none(30),
         )
         assert np.abs(found.feet).max() < 1e-12
@@ -79,11 +86,9 @@ def test_a_bound_foot_takes_the_body_along() -> None:
     hips = np.broadcast_to(np.array([[0.1, 0.9, 0.0], [-0.1, 0.9, 0.0]]), (frames, 2, 3))
     ankles = hips - np.array([0.0, 0.8, 0.0])
     leg = footing.legs_of(hips, 0.5 * (hips + ankles) + np.array([0.0, 0.0, 0.1]), ankles)
-    place = np.zeros((frames, 2, 3))
-    place[..., 2] = 0.02
-    bounds = Bounds(place, np.full((frames, 2), footing.BOUND))
+    bounds = Bounds(np.broadcast_to(np.array([0.0, 0.0, 1.0]), (frames, 2, 3)), np.full((frames, 2), 0.02))
     zero = np.zeros((frames - 1, 2, 2))
-    found = footing.footing(zero, ones[1:], 0.0 * ones, ones, leg, USUAL, FPS, bounds)
+    found = sought(zero, ones[1:], 0.0 * ones, ones, leg, bounds)
     assert (found.feet[..., 2] - found.body[:, None, 2])[10:-10] == pytest.approx(0.02, abs=1e-3)
     assert np.abs(np.diff(found.feet[..., 2], axis=0)).max() < 1e-4
 
@@ -92,7 +97,7 @@ def test_a_bound_foot_takes_the_body_along() -> None:
 def test_too_short_to_have_accelerations(frames: int, rng: np.random.Generator) -> None:
     """One or two frames are left as they are."""
     slid, grip, height, press, leg = walk(rng, frames)
-    found = footing.footing(slid, grip, height, press, leg, USUAL, FPS, Bounds.none(frames))
+    found = sought(slid, grip, height, press, leg, Bounds.none(frames))
     assert found.feet.shape == (frames, 2, 3)
     assert not found.feet.any()
     assert not found.body.any()

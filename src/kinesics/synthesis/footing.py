@@ -33,7 +33,7 @@ ASTRAY: Final = 0.008
 """Metres of a foot from its place beneath the body."""
 ADRIFT: Final = 0.12
 """Metres of the body over the floor from its place."""
-BOUND: Final = 0.0005
+BOUND: Final = 0.001
 """Metres of a foot from where a joint at the end of its range has it."""
 SINKING: Final = 0.02
 """Metres of the body's height."""
@@ -77,6 +77,17 @@ class Usual(NamedTuple):
     """m/s²."""
 
 
+class Stiffness(NamedTuple):
+    """Weights of second differences of what is added to both feet and the body: see `stiffness`."""
+
+    here: Array
+    """Of each frame with itself, shape (frames, 9, 9)."""
+    next: Array
+    """With the one after, shape (frames − 1, 9, 9)."""
+    after: Array
+    """With the one after that, shape (frames − 2, 9, 9)."""
+
+
 class Footing(NamedTuple):
     """What is added to places, metres."""
 
@@ -87,17 +98,17 @@ class Footing(NamedTuple):
 
 
 class Bounds(NamedTuple):
-    """Where feet must be beneath the body, as far as legs reach and joints go."""
+    """How far feet must be moved beneath the body, as far as legs reach and joints go."""
 
-    place: Array
-    """From where the recording has it, metres, shape (frames, 2, 3)."""
-    tolerance: Array
-    """Metres, shape (frames, 2): `ASTRAY` where nothing binds."""
+    way: Array
+    """In which way, unit vectors, shape (frames, 2, 3); 0 where nothing binds."""
+    least: Array
+    """How far, metres, shape (frames, 2)."""
 
     @classmethod
     def none(cls, frames: int) -> Bounds:
         """Nothing binds."""
-        return cls(np.zeros((frames, 2, 3)), np.full((frames, 2), ASTRAY))
+        return cls(np.zeros((frames, 2, 3)), np.zeros((frames, 2)))
 
 
 def footing(
@@ -105,8 +116,7 @@ def footing(
     grip: Array,
     height: Array,
     press: Array,
-    leg: Leg,
-    usual: Usual,
+    stiff: Stiffness,
     fps: float,
     bounds: Bounds,
     both: Array | float = 0.0,
@@ -141,18 +151,20 @@ def footing(
         weight = np.square(press[:, k] / HEIGHT)
         diagonal[:, 3 * k + 1] += weight
         wanted[:, 3 * k + 1] -= weight * height[:, k]
-        for axis in range(3):
-            foot, body = 3 * k + axis, _BODY + axis
-            weight = 1.0 / np.square(bounds.tolerance[:, k])
-            here[:, foot, foot] += weight
-            here[:, body, body] += weight
-            here[:, foot, body] -= weight
-            here[:, body, foot] -= weight
-            wanted[:, foot] += weight * bounds.place[:, k, axis]
-            wanted[:, body] -= weight * bounds.place[:, k, axis]
-    diagonal[:, _BODY:] += 1.0 / np.square([ADRIFT, SINKING, ADRIFT])
-    diagonal[:, [_BODY, _BODY + 2]] -= np.broadcast_to(both, frames)[:, None] * (1.0 - _LEFT) / ADRIFT**2
-    square, cross, far = (_bent(leg, usual, fps, lag) for lag in (0, 1, 2))
+        foot, body = slice(3 * k, 3 * k + 3), slice(_BODY, _BODY + 3)
+        way = bounds.way[:, k] / BOUND
+        firm = way[:, :, None] * way[:, None, :] + np.eye(3) / ASTRAY**2
+        here[:, foot, foot] += firm
+        here[:, body, body] += firm
+        here[:, foot, body] -= firm
+        here[:, body, foot] -= firm
+        pull = way * (bounds.least[:, k] / BOUND)[:, None]
+        wanted[:, foot] += pull
+        wanted[:, body] -= pull
+    weights = np.broadcast_to(1.0 / np.square([ADRIFT, SINKING, ADRIFT]), (frames, 3)).copy()
+    weights[:, [0, 2]] *= 1.0 - (1.0 - _LEFT) * np.broadcast_to(both, frames)[:, None]
+    diagonal[:, _BODY:] += weights
+    square, cross, far = stiff
     here[:-2] += square[:-2]
     here[1:-1] += 4.0 * square[1:-1]
     here[2:] += square[2:]
@@ -163,10 +175,15 @@ def footing(
     return Footing(found[:, :_BODY].reshape(frames, 2, 3), found[:, _BODY:])
 
 
+def stiffness(leg: Leg, usual: Usual, fps: float) -> Stiffness:
+    """What it weighs to accelerate feet and body so that these legs bend and swing."""
+    return Stiffness(*(_bent(leg, usual, fps, lag) for lag in (0, 1, 2)))
+
+
 def _bent(leg: Leg, usual: Usual, fps: float, lag: int) -> Array:
     """MᵗM of each frame with that ``lag`` frames later, shape (frames − lag, 9, 9): M times what is added is what is to have
     little second difference, as a share of what that weighs."""
-    frames = len(leg.distance) - lag
+    frames = max(len(leg.distance) - lag, 0)
     early, late = slice(0, frames), slice(lag, None)
     out = np.zeros((frames, 9, 9))
     body = slice(_BODY, _BODY + 3)

@@ -30,7 +30,9 @@ BEARING: Final = 0.008
 PELVIS: Final = 0.02
 """What the place of the pelvis weighs; a foot that bears weighs 1."""
 HEADING: Final = 0.02
-"""m²: what its heading does while fewer than both feet bear; while both do a tenth of it."""
+"""m²: what its heading does."""
+_SURE: Final = 0.999
+"""Share of both that is gone while both feet bear: who stands for long would else turn a little with every round."""
 
 
 class Meeting(NamedTuple):
@@ -79,11 +81,13 @@ def meetings(repertoire: Repertoire, left: Indices, entered: Indices) -> Meeting
     weight = (feet[..., None] * share / share.sum(axis=-1, keepdims=True)).reshape(-1, 6)
     # on the floor a place is one complex number, ahead + i·left: a turn to the left by ψ is a product with e^{iψ}
     a, b = ((points[k][..., 2] + 1j * points[k][..., 0]).reshape(-1, 6) for k in (here, there))
-    total = weight.sum(axis=1) + PELVIS
+    loose = 1.0 - _SURE * feet.min(axis=1)
+    pelvis = PELVIS * loose
+    total = weight.sum(axis=1) + pelvis
     # the pelvis lies at 0 on both sides
     middle_a, middle_b = (weight * a).sum(axis=1) / total, (weight * b).sum(axis=1) / total
     product = (weight * (a - middle_a[:, None]) * (b - middle_b[:, None]).conj()).sum(axis=1)
-    product += PELVIS * middle_a * middle_b.conj() + HEADING * (1.0 - 0.9 * feet.min(axis=1))
+    product += pelvis * middle_a * middle_b.conj() + HEADING * loose
     turn = np.angle(product)
     place = middle_a - np.exp(1j * turn) * middle_b
     side = np.where(image, -1.0, 1.0)

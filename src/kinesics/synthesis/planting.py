@@ -17,7 +17,7 @@ from kinesics.body import contacts, kinematics
 from kinesics.body.limits import segment_distance
 from kinesics.geometry import quaternion
 from kinesics.synthesis import blending, footing, inverse_kinematics
-from kinesics.synthesis.footing import Bounds
+from kinesics.synthesis.footing import Bounds, Stiffness
 from kinesics.synthesis.stage import (
     FLESH,
     LIFT,
@@ -40,7 +40,7 @@ GRIP: Final = 0.03
 """Seconds in which a foot that comes down is held more and more firmly; in reverse as it is lifted."""
 GRIP_BEFORE: Final = 0.01
 """Seconds before and after a contact from which on it is."""
-ROUNDS: Final = 10
+ROUNDS: Final = 5
 """Most times that feet are planted, joints put back that were bent too far, and planted again as far as these go."""
 _LEGS: Final = {"left", "right", "femur", "tibia"}
 STAND: Final = 0.25
@@ -118,11 +118,14 @@ def pin(stage: Stage, rotations: Array, roots: Array, standing: Mask) -> Footed:
     parents = [skeleton.parents[j] for j in feet]
     joints = np.array([*stage.legs.femurs, *stage.legs.tibias, *feet])
     given = rotations
-    recorded = kinematics.positions(skeleton, rotations, roots)[:, feet] - roots[:, None]
-    bounds = Bounds.none(len(rotations))
+    places = kinematics.positions(skeleton, rotations, roots)
+    hips, knees, ankles = (places[:, list(part)] for part in (stage.legs.femurs, stage.legs.tibias, feet))
+    recorded = ankles - roots[:, None]
+    stiff = footing.stiffness(footing.legs_of(hips, knees, ankles), stage.usual, stage.repertoire.fps)
+    bounds = way, least = Bounds.none(len(rotations))
     gripped = standing
     for attempt in range(ROUNDS):
-        done = _planted(stage, given, roots, standing, gripped, held, bounds)
+        done = _planted(stage, given, roots, standing, gripped, held, stiff, bounds)
         within = done.rotations.copy()
         put_within_range(stage, within, joints)
         push = _apart(stage, within, done.roots)
@@ -143,11 +146,11 @@ def pin(stage: Stage, rotations: Array, roots: Array, standing: Mask) -> Footed:
         placed[:, feet] = done.rotations[:, feet]
         reached = kinematics.positions(skeleton, placed, done.roots)[:, feet] - done.roots[:, None]
         asked = kinematics.positions(skeleton, done.rotations, done.roots)[:, feet] - done.roots[:, None]
-        bound = (np.linalg.norm(reached - asked, axis=-1) > _SHORT) | (np.abs(push).max(axis=-1) > _SHORT)
-        bounds = Bounds(
-            np.where(bound[..., None], reached + push - recorded, bounds.place),
-            np.where(bound, footing.BOUND, bounds.tolerance),
-        )
+        back = reached - asked + push
+        far = np.linalg.norm(back, axis=-1)
+        bound = far > _SHORT
+        way[bound] = back[bound] / far[bound, None]
+        least[bound] = np.einsum("ni,ni->n", way[bound], (reached + push - recorded)[bound])
     return _above_the_floor(stage, done._replace(rotations=within))
 
 
@@ -218,13 +221,20 @@ def _above_the_floor(stage: Stage, footed: Footed) -> Footed:
 
 
 def _planted(
-    stage: Stage, rotations: Array, roots: Array, standing: Mask, gripped: Mask, held: Array, bounds: Bounds
+    stage: Stage,
+    rotations: Array,
+    roots: Array,
+    standing: Mask,
+    gripped: Mask,
+    held: Array,
+    stiff: Stiffness,
+    bounds: Bounds,
 ) -> Footed:
     repertoire, legs = stage.repertoire, stage.legs
     skeleton, fps = repertoire.skeleton, repertoire.fps
     known = kinematics.forward(skeleton, rotations, roots)
     soles = stage.soles.place(known.positions, known.rotations)
-    hips, knees, ankles = (known.positions[:, list(joints)] for joints in (legs.femurs, legs.tibias, legs.feet))
+    ankles = known.positions[:, list(legs.feet)]
     lowest = soles[..., 1].min(axis=2)
     height = soles[..., 1] - stage.levels
     share = bearing(0.5 * (height[1:] + height[:-1]))
@@ -236,8 +246,7 @@ def _planted(
         np.minimum(grip[1:], grip[:-1]),
         lowest,
         press,
-        footing.legs_of(hips, knees, ankles),
-        stage.usual,
+        stiff,
         fps,
         bounds,
         _both(held, fps),
