@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter1d
 
 import kinesics as kx
 from kinesics.body.pose import PoseSequence
@@ -214,3 +215,15 @@ def test_recorded_exercises(shared_data: Path, clip: str) -> None:
     labels = _labelled(shared_data, clip)
     found = phrases.find_phrases(moments)
     assert naive.hamming([(p.kind, p.start * 4, p.end * 4) for p in found], labels) <= 0.25
+
+
+def test_swaying_under_a_noisy_sensor_does_not_recur() -> None:
+    """Who sways by 3° before a sensor with 3° of noise does nothing twice: noise does not make one moment like another."""
+    rng = np.random.default_rng(5)
+    standing = kx.poses(kx.performer.squat(seconds=5, fps=30, seed=1).motion).quaternions[:1].repeat(900, axis=0)
+    sway = gaussian_filter1d(rng.normal(size=(900, 15, 3)), 15.0, axis=0)
+    turn = np.deg2rad(3.0 * sway / sway.std() + 3.0 * rng.normal(size=sway.shape))
+    change = np.concatenate([np.ones((900, 15, 1)), 0.5 * turn], axis=-1)
+    q = quaternion.multiply(standing, change / np.linalg.norm(change, axis=-1, keepdims=True))
+    found = phrases.find_phrases(from_poses(sequence(q)))
+    assert not any(p.recurs for p in found)

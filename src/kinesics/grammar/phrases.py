@@ -218,8 +218,9 @@ def _recurrences(coarse: Moments, by_lag: tuple[Floats, Floats], widths: Sequenc
     n = coarse.count
     reach = min(round(REACH_S * coarse.fps), n - 1)
     bend = lags.bend_cost(by_lag[0])
-    ranges = {w: _RANGE * spread(by_lag[0], w) for w in widths}
-    floor = 0.5 * STILL**2 + _RANGE * coarse.noise
+    # the noise is in every distance, and is no movement: what moves by less than the noise does not count
+    ranges = {w: _RANGE * np.maximum(spread(by_lag[0], w) - coarse.noise, 0.0) for w in widths}
+    floor = 0.5 * STILL**2 + coarse.noise
     out = np.zeros((reach + 1, n), dtype=np.float32)
     for distance in by_lag:
         for backwards in (False, True):
@@ -646,7 +647,7 @@ def _left_over(coarse: Moments, start: int, end: int, starts: NDArray[np.intp], 
     centres = np.unique(np.linspace(half, last - first - 1 - half, samples).round().astype(np.intp))
     rows = centres[:, None] + np.arange(-half, half + 1)
     own = coarse.tile(slice(first, last), slice(first, last))[0]
-    spans = _RANGE * np.array([float(own[np.ix_(r, r)].mean()) for r in rows])
+    spans = _RANGE * np.maximum(np.array([float(own[np.ix_(r, r)].mean()) for r in rows]) - coarse.noise, 0.0)
     moving = spans > 0.5 * STILL**2 + coarse.noise
     if not moving.any():
         return nowhere
