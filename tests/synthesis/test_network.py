@@ -204,8 +204,8 @@ def test_near_poses_that_differ_otherwise_are_told() -> None:
 
 def test_too_short_is_an_error_that_helps() -> None:
     """A recording shorter than two windows is said to be too short."""
-    with pytest.raises(InputError, match="Too short to perform from"):
-        network(repertoire(rounds(0.4), mirrored=False))
+    with pytest.raises(InputError, match="too short to leave"):
+        network(repertoire(rounds(0.5, fps=8.0), mirrored=False))
 
 
 def test_a_way_that_never_leads_back_is_an_error() -> None:

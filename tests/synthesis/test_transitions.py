@@ -282,6 +282,6 @@ def test_parameters_are_checked(wrong: dict[str, float]) -> None:
 
 def test_too_short_has_none() -> None:
     """Recordings shorter than a window have no transitions."""
-    found = transitions(repertoire(wandering(0.4), mirrored=False))
+    found = transitions(repertoire(wandering(0.5, fps=8.0), mirrored=False))
     assert len(found) == 0
     assert found.nearest.distance == np.inf
