@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 Mask = NDArray[np.bool_]
 
 _LEAST_WORD: Final = 3
+_LEAST_NUMBER: Final = 2
 _LISTED: Final = 30
 _SEVERAL: Final = 8
 
@@ -68,12 +69,14 @@ def with_word(word: str, names: Iterable[str], *, whole: bool = False) -> list[s
     """Those names in which a word, or several one after the other, stands, or (but for ``whole``) begins another; sorted.
 
     Upper and lower case are one; words end at whatever is no letter and where small letters pass into capitals. None has fewer
-    than three letters: "A" is a state, and not all that begins with it.
+    than three letters: "A" is a state, and not all that begins with it. Numbers have two digits or more and begin nothing: "07" is
+    whoever was recorded seventh.
     """
     wanted = _words(word)
-    if len(wanted) < _LEAST_WORD:
+    number = wanted.isdigit()
+    if len(wanted) < (_LEAST_NUMBER if number else _LEAST_WORD):
         return []
-    end = " " if whole else ""
+    end = " " if whole or number else ""
     return sorted({name for name in names if f" {wanted}{end}" in f" {_words(name)} "})
 
 
