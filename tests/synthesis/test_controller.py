@@ -509,7 +509,10 @@ def test_impossible_wishes_are_refused(make: Callable[[], object], words: str) -
         ({"bend": -5.0}, "`bend`"),
         ({"start": 4}, "0 to 3"),
         ({"position": (0.0, math.nan)}, "`position`"),
-        ({"goal": Favour("walks")}, r"No class, label, state, phrase or recording 'walks'. There are: \(ab_1\)\*, A, B"),
+        (
+            {"goal": Favour("walks")},
+            r"No class, label, state, phrase or recording 'walks'. There are: \(ab_1\)\*, A, B",
+        ),
         ({"goal": Favour("cyclic-antifase")}, "Did you mean cyclic-antiphase"),
         ({"goal": StateToState("A", "C")}, "state"),
         ({"goal": 3.0}, "Expected a goal"),
