@@ -83,15 +83,16 @@ def main() -> int:
     environment = dict(os.environ)
     if told.peers:
         environment["KINESICS_PEERS"] = str(told.peers.absolute())
-    sections = sections_there()
     failed = []
     for topic in told.only:
         try:
-            sections[topic] = measure(topic, environment)
+            measured = measure(topic, environment)
         except subprocess.CalledProcessError as error:
             print(f"bench_{topic}.py failed (exit {error.returncode}); its section stays as it was.", file=sys.stderr)
             failed.append(topic)
-        # after each one, so that stopping half-way keeps what was measured
+            continue
+        # after each one, so that stopping half-way keeps what was measured; read anew, for another run may have written since
+        sections = sections_there() | {topic: measured}
         text = HEAD + "".join(f"\n## {name}\n\n{body}\n" for name, body in sorted(sections.items()))
         RESULTS.write_text(text, encoding="utf-8")
     return 1 if failed else 0
