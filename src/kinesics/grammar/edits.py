@@ -695,13 +695,13 @@ def _table(values: Mapping[str, Any], key: str, at: str) -> dict[str, Any]:
     return found
 
 
-def _get(values: Mapping[str, Any], key: str, kind: Callable[..., T], at: str, default: T | None = None) -> T:
+def _get(values: Mapping[str, Any], key: str, kind: type[T], at: str, default: T | None = None) -> T:
     if key not in values:
         if default is not None:
             return default
         raise InputError(f"Expected the key '{key}' in {at}.")
     value = values[key]
-    if not isinstance(value, kind) or isinstance(value, bool):  # type: ignore[arg-type]
-        name = {dict: "a table", list: "a list", str: "a text", int: "a whole number"}.get(kind, "another kind")  # type: ignore[call-overload]
+    if not isinstance(value, kind) or isinstance(value, bool):
+        name = {"dict": "a table", "list": "a list", "str": "a text", "int": "a whole number"}[kind.__name__]
         raise InputError(f"Expected {name} for '{key}' in {at}, got {value!r}.")
-    return value  # type: ignore[no-any-return]
+    return value

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeVar
 from xml.sax.saxutils import escape, quoteattr
 
@@ -273,7 +273,7 @@ def _optional(values: Mapping[str, Any], key: str, at: str) -> int | None:
     return None if values.get(key, ...) is None else _get(values, key, int, at)
 
 
-def _get(values: object, key: str, kind: Callable[..., T], at: str) -> T:
+def _get(values: object, key: str, kind: type[T], at: str) -> T:
     if not isinstance(values, Mapping):
         raise InputError(f"Expected an object at {at}, got {type(values).__name__}.")
     if key not in values:
@@ -282,7 +282,6 @@ def _get(values: object, key: str, kind: Callable[..., T], at: str) -> T:
     if kind is float and isinstance(value, int) and not isinstance(value, bool):
         value = float(value)
     # bool is an int to Python, not to JSON
-    if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):  # type: ignore[arg-type]
-        name = getattr(kind, "__name__", "value")
-        raise InputError(f"Expected {name} at {at}.{key}, got {type(value).__name__}.")
-    return value  # type: ignore[no-any-return]
+    if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
+        raise InputError(f"Expected {kind.__name__} at {at}.{key}, got {type(value).__name__}.")
+    return value

@@ -469,7 +469,7 @@ class Controller:
                 break
             paths.append(path)
             lasted += self._duration[path]
-        chosen = Trail(trail.times, *(values[best : best + 1] for values in trail[1:]))  # type: ignore[arg-type]
+        chosen = Trail._make((trail.times, *(values[best : best + 1] for values in trail[1:])))
         return _Composite(tuple(paths), chosen, float(miss[best]) + self._chained(paths))
 
     def _weighed(self, trail: Trail) -> Array:

@@ -298,9 +298,9 @@ def _same(a: Motion, b: Motion) -> bool:
     return all(x is y or (x is not None and y is not None and np.array_equal(x, y)) for x, y in pairs)
 
 
-def _whole(seed: object) -> int:
+def _whole(seed: Any) -> int:
     try:
-        number = int(seed)  # type: ignore[call-overload]
+        number = int(seed)
     except (TypeError, ValueError):
         raise InputError(f"Expected a whole number as `seed`, got {seed!r}.") from None
     if number != seed or number < 0:

@@ -150,7 +150,7 @@ class Prospects:
     def along(self, rows: slice | Indices) -> Trail:
         """The trails of some rows."""
         times, *others = self.trail
-        return Trail(times if len(times) == 1 else times[rows], *(values[rows] for values in others))  # type: ignore[arg-type]
+        return Trail._make((times if len(times) == 1 else times[rows], *(values[rows] for values in others)))
 
 
 def trails(network: Network) -> Trails:
@@ -220,7 +220,11 @@ class _Chains(NamedTuple):
     """How many jumps come too soon after another."""
 
     def taken(self, rows: Indices) -> _Chains:
-        return _Chains(*(column[rows] for column in self))  # type: ignore[arg-type]
+        return _Chains._make(column[rows] for column in self)
+
+    def followed(self, others: _Chains) -> _Chains:
+        """These, and then the others."""
+        return _Chains._make(np.concatenate([own, theirs]) for own, theirs in zip(self, others, strict=True))
 
 
 def _single(network: Network) -> _Chains:
@@ -275,7 +279,7 @@ def _lengthened(
         done = chains.taken(np.flatnonzero(chains.duration >= lookahead))
         source_head = np.concatenate([np.flatnonzero(chains.duration >= lookahead), head])
         source_tail = np.concatenate([np.full(len(done.edge), -1), tail])
-        everything = _Chains(*(np.concatenate(both) for both in zip(done, joined, strict=True)))  # type: ignore[arg-type]
+        everything = done.followed(joined)
         kept = _thinned(everything, owner_of, room, rng)
         sequence = _strung(chains, sequence, source_head[kept], source_tail[kept])
         chains = everything.taken(kept)
