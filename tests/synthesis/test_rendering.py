@@ -14,13 +14,13 @@ from kinesics.body.contacts import Floor
 from kinesics.body.limits import Capsules
 from kinesics.errors import InputError
 from kinesics.geometry import quaternion
-from kinesics.synthesis import quality
+from kinesics.synthesis import planting, quality
 from kinesics.synthesis.live import LiveRenderer
 from kinesics.synthesis.network import Network, network
 from kinesics.synthesis.planting import envelope
 from kinesics.synthesis.rendering import render
 from kinesics.synthesis.repertoire import repertoire
-from kinesics.synthesis.stage import BEARING, FLESH, RANGE_TOLERANCE, Stage
+from kinesics.synthesis.stage import BEARING, FLESH, RANGE_TOLERANCE, Stage, turn_bodies
 from naive import rendering as naive
 
 
@@ -311,3 +311,37 @@ def test_real_walk(shared_data: Path) -> None:
     assert found.contact_share.performance == pytest.approx(found.contact_share.recordings, rel=0.15)
     assert found.turning.performance < 1.2
     assert contacts.contacts(done.motion, known=done.soles, ground=Floor(0.0)).feet.any(axis=1).mean() > 0.97
+
+
+def test_no_frame_is_farther_from_the_recordings_than_transitions_may_be(made: Network) -> None:
+    """Also where cuts follow each other as quickly as they can: by every frame's D to the nearest of the recordings."""
+    rng = np.random.default_rng(4)
+    chosen = [0]
+    while len(chosen) < 60:
+        nexts = made.successors(chosen[-1])
+        leaps = nexts[made.first[nexts] != made.onward[chosen[-1]]]
+        chosen.append(int(rng.choice(leaps if len(leaps) else nexts)))
+    done = render(made, chosen)
+    assert len(done.cuts) > 20
+    assert quality._nearest(done.motion, made.repertoire).max() <= made.threshold
+
+
+def test_who_stands_turns_with_the_feet(made: Network) -> None:
+    """Where paths are laid so that a body that stands turns round and round, it does not, and turns back as it goes on."""
+    stage, fps = Stage.of(made.repertoire), made.repertoire.fps
+    frames = round(12 * fps)
+    still = int(np.argmax(made.repertoire.contacts[0].all(axis=1)))
+    rotations = np.repeat(made.repertoire.rotations[0, still : still + 1], frames, axis=0)
+    roots = np.repeat(made.repertoire.root_positions[0, still : still + 1], frames, axis=0)
+    turn = np.minimum(np.arange(frames) / frames, 0.5) * 0.8
+    turn_bodies(made.repertoire, stage.carrier, rotations, turn)
+    stands = np.where(np.arange(frames) < frames // 2, 1.0, 0.0)
+    turned, moved = planting._with_the_feet(stage, rotations, roots, stands)
+    faced = kx.poses(done_motion(made, turned, moved)).yaw
+    assert np.abs(faced[: frames // 2 - round(0.5 * fps)] - faced[0]).max() < 0.02
+    assert abs(faced[-1] - faced[0] - 0.4) < 0.05
+    assert np.array_equal(planting._with_the_feet(stage, rotations, roots, 0.0 * stands)[0], rotations)
+
+
+def done_motion(made: Network, rotations: np.ndarray, roots: np.ndarray) -> kx.Motion:
+    return kx.Motion(made.repertoire.skeleton, rotations, roots, made.repertoire.fps)

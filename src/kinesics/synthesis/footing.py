@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-SLIP: Final = 0.0005
+SLIP: Final = 0.0003
 """m/s over the floor that weigh as much as the accelerations below."""
 HEIGHT: Final = 0.006
 """Metres above the floor that do."""
@@ -42,7 +42,7 @@ _SHARE: Final = 0.25
 _LEAST_BEND: Final = np.deg2rad(12.0)
 """A knee that is straighter counts as one bent by so much: beyond, the leg's length is quadratic in the angle."""
 _BODY: Final = 6
-_LEFT: Final = 1e-3
+_LEFT: Final = 1e-4
 """Share of the weight of `ADRIFT` that is left while the body stands."""
 
 

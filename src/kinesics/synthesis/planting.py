@@ -30,6 +30,7 @@ from kinesics.synthesis.stage import (
     bearing,
     held_around,
     shortfall,
+    turn_bodies,
 )
 
 Array = NDArray[np.float64]
@@ -38,13 +39,14 @@ Indices = NDArray[np.intp]
 
 GRIP: Final = 0.03
 """Seconds in which a foot that comes down is held more and more firmly; in reverse as it is lifted."""
-GRIP_BEFORE: Final = 0.01
-"""Seconds before and after a contact from which on it is."""
 ROUNDS: Final = 5
 """Most times that feet are planted, joints put back that were bent too far, and planted again as far as these go."""
 _LEGS: Final = {"left", "right", "femur", "tibia"}
 STAND: Final = 0.25
 """Seconds: who stands on both feet for four times as long is where the feet are, wherever the paths were laid."""
+BACK: Final = 2.0
+"""Seconds of walking on in which it turns back by two thirds of what it turned along with them."""
+_LEAST_TURN: Final = np.deg2rad(1.0)
 LET_PASS: Final = 0.008
 """Metres that a foot may slide in one contact before it is held for longer."""
 _WAYS: Final = np.stack([np.cos(np.arange(8) * np.pi / 8.0), np.sin(np.arange(8) * np.pi / 8.0)])
@@ -117,6 +119,7 @@ def pin(stage: Stage, rotations: Array, roots: Array, standing: Mask) -> Footed:
     feet = list(stage.legs.feet)
     parents = [skeleton.parents[j] for j in feet]
     joints = np.array([*stage.legs.femurs, *stage.legs.tibias, *feet])
+    rotations, roots = _with_the_feet(stage, rotations, roots, _both(held, stage.repertoire.fps))
     given = rotations
     places = kinematics.positions(skeleton, rotations, roots)
     hips, knees, ankles = (places[:, list(part)] for part in (stage.legs.femurs, stage.legs.tibias, feet))
@@ -262,6 +265,32 @@ def _planted(
     return Footed(done.rotations, roots + shift, corrected, np.maximum(-shift[:, 1], 0.0), done.misses)
 
 
+def _with_the_feet(stage: Stage, rotations: Array, roots: Array, both: Array) -> tuple[Array, Array]:
+    """The body turned along with its feet while it stands on both, and gently back as it goes on.
+
+    In a recording feet that stand creep; where a stand is played round after round, each goes on from the last, and what adds up
+    no leg could follow. Where the body goes over the floor `footing` sees to.
+    """
+    known = kinematics.forward(stage.repertoire.skeleton, rotations, roots)
+    soles = stage.soles.place(known.positions, known.rotations).mean(axis=2)
+    feet = soles[..., 2] + 1j * soles[..., 0]
+    apart = feet[:, 0] - feet[:, 1]
+    crept = np.angle(apart[1:] * apart[:-1].conj()) * both[1:]
+    back = 1.0 - (1.0 - both[1:]) / (BACK * stage.repertoire.fps)
+    turn = np.zeros(len(roots))
+    for t, (by, left) in enumerate(zip(crept.tolist(), back.tolist(), strict=True), start=1):
+        turn[t] = (turn[t - 1] - by) * left
+    if np.abs(turn).max() < _LEAST_TURN:
+        return rotations, roots
+    turn = _smooth(turn, max(1, round(STAND * stage.repertoire.fps)))
+    turned, moved = rotations.copy(), roots.copy()
+    turn_bodies(stage.repertoire, stage.carrier, turned, turn)
+    middle = feet.mean(axis=1)
+    place = middle + np.exp(1j * turn) * (roots[:, 2] + 1j * roots[:, 0] - middle)
+    moved[:, 0], moved[:, 2] = place.imag, place.real
+    return turned, moved
+
+
 def _both(held: Array, fps: float) -> Array:
     """1 where both feet have borne and will bear for `STAND`, going to 0 smoothly, shape (frames,)."""
     from scipy.ndimage import minimum_filter1d
@@ -277,7 +306,7 @@ def _grip(standing: Mask, fps: float) -> Array:
     if standing.all() or not standing.any():
         return standing.astype(np.float64)
     inside = np.asarray(distance_transform_edt(standing)) - np.asarray(distance_transform_edt(~standing))
-    return np.asarray(blending.ease((inside / fps + GRIP_BEFORE) / GRIP))
+    return np.asarray(blending.ease(inside / fps / GRIP))
 
 
 def _lowering(stage: Stage, positions: Array, targets: Array, held: Array, fps: float) -> Array:

@@ -216,7 +216,7 @@ class _Laid:
     velocities: Array
     """The same of what they change by in a second."""
     room: Array
-    """Seconds before and after each cut to the next: shape (cuts, 2)."""
+    """Seconds before and after each cut to the beginning and the end: shape (cuts, 2)."""
     fps: float
 
 
@@ -269,8 +269,7 @@ def _lay(stage: Stage, network: Network, chosen: Indices, origin: Array, heading
             world[jumps],
             np.stack([aside.imag, aside.real], axis=-1)[jumps - 1],
         )
-    bounds = np.concatenate([[0], cuts, [frames]])
-    room = np.stack([cuts - bounds[:-2], bounds[2:] - cuts], axis=-1) / fps
+    room = np.stack([cuts, frames - cuts], axis=-1) / fps
     return _Laid(moments, step, chosen[step], cuts, rotations, roots, offsets, velocities, room, fps)
 
 
