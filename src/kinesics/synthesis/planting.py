@@ -47,6 +47,8 @@ STAND: Final = 0.25
 BACK: Final = 2.0
 """Seconds of walking on in which it turns back by two thirds of what it turned along with them."""
 _LEAST_TURN: Final = np.deg2rad(1.0)
+OVER: Final = 1.0
+"""Share by which more is asked of the body than a foot lacked: smoothness gives back as much."""
 LET_PASS: Final = 0.008
 """Metres that a foot may slide in one contact before it is held for longer."""
 _WAYS: Final = np.stack([np.cos(np.arange(8) * np.pi / 8.0), np.sin(np.arange(8) * np.pi / 8.0)])
@@ -153,7 +155,7 @@ def pin(stage: Stage, rotations: Array, roots: Array, standing: Mask) -> Footed:
         far = np.linalg.norm(back, axis=-1)
         bound = far > _SHORT
         way[bound] = back[bound] / far[bound, None]
-        least[bound] = np.einsum("ni,ni->n", way[bound], (reached + push - recorded)[bound])
+        least[bound] = np.einsum("ni,ni->n", way[bound], (reached + push - recorded)[bound]) + OVER * far[bound]
     return _above_the_floor(stage, done._replace(rotations=within))
 
 
