@@ -41,6 +41,7 @@ from kinesics.synthesis.repertoire import repertoire
 from kinesics.synthesis.stage import Stage
 
 _CMU = {
+    "walks of 91, 07 and 35, those of the targets": ("91/91_01", "91/91_34", "07/07_01", "35/35_01"),
     "walks of 91": ("91/91_01", "91/91_34"),
     "walks of 35 and 16": ("35/35_01", "16/16_21"),
     "Empi kata": ("135/135_02",),
