@@ -46,14 +46,17 @@ def test_states_are_renamed_with_their_images_and_paths(kicks: MotionGraph) -> N
     assert named.isomorphic_to(kicks)
 
 
-def test_naming_the_image_names_the_pair(kicks: MotionGraph) -> None:
-    """The name is of the pair; the star stays where it was."""
-    assert _apply(kicks, 'states.rename = { "A*" = "guard" }') == _apply(kicks, 'states.rename = { A = "guard" }')
+def test_what_is_called_after_its_image_has_no_name_of_its_own(kicks: MotionGraph) -> None:
+    """A* cannot be guard while A is guard*: refused, with the name to give instead. A frame names the pair."""
+    with pytest.raises(InputError, match=r"""with "A" = "guard", 'A\*' is 'guard\*'"""):
+        _apply(kicks, 'states.rename = { "A*" = "guard" }')
+    with pytest.raises(InputError, match=r"""with "ax_1" = "turn", '\(ax_1\)\*' is '\(turn\)\*'"""):
+        _apply(kicks, 'paths.rename = { "(ax_1)*" = "turn" }')
 
 
 def test_paths_are_renamed_with_their_images(kicks: MotionGraph) -> None:
     """The string of paths says the names."""
-    named = _apply(kicks, 'paths.rename = { aa_1 = "kick", "(ax_1)*" = "turn" }')
+    named = _apply(kicks, 'paths.rename = { aa_1 = "kick", ax_1 = "turn" }')
     assert named.notation().split()[3:7] == ["kick", "turn", "<(turn)*", "(kick)*"]
 
 
@@ -219,10 +222,47 @@ def test_nothing_is_split_off_twice_or_has_two_names(kicks: MotionGraph) -> None
             kicks,
             'states.split = [ { state = "A", into = "b", frames = [0] }, { state = "A", into = "c", frames = [0] } ]',
         )
+    image = next(p for p in kicks.paths if p.label == "(ax_1)*").occurrences[0]
+    passed = image.end if image.reversed else image.start
+    assert passed > 0
     with pytest.raises(InputError, match="One state, with its mirror image, would be called both 'one' and 'two'"):
-        _apply(kicks, 'states.rename = { A = "one", "A*" = "two" }')
+        _apply(kicks, f'states.rename = {{ A = "one", "@{passed}" = "two" }}')
     with pytest.raises(InputError, match="One path, with its mirror image, would be called both 'one' and 'two'"):
-        _apply(kicks, 'paths.rename = { "ax_1" = "one", "(ax_1)*" = "two" }')
+        _apply(kicks, f'paths.rename = {{ "ax_1" = "one", "@{image.start + 1}" = "two" }}')
+
+
+def test_what_is_merged_with_itself_is_refused(kicks: MotionGraph) -> None:
+    """Nothing would become of it: said, not passed over."""
+    for what, label in (("states", "A"), ("paths", "aa_1")):
+        with pytest.raises(InputError, match=f"two {what} or more in a merge, got '{label}' alone"):
+            _apply(kicks, f'{what}.merge = [ {{ keep = "{label}", with = ["{label}"] }} ]')
+
+
+def test_a_state_is_not_split_far_from_its_visits(kata: MotionGraph) -> None:
+    """A frame names the visit a second off or less; farther off it names none, and the message tells where they are."""
+    fps = kata.sources[0].fps
+    visits = [(s.start, s.end) for s in kata.timeline(0) if s.path is None and kata.state(s.state).label == "X~"]
+    (_, end), (start, _) = next(
+        pair for pair in zip(visits, visits[1:], strict=False) if pair[1][0] - pair[0][1] > 4 * fps
+    )
+    near, far = end + round(0.9 * fps), (end + start) // 2
+    assert (
+        _apply(kata, f'states.split = [ {{ state = "X~", into = "center", frames = [{near}] }} ]')
+        .state("center~")
+        .stays
+    )
+    with pytest.raises(
+        InputError, match=rf"'X~' is not visited within 1 s of frame {far} of source 0; it is at \d+, \d+"
+    ):
+        _apply(kata, f'states.split = [ {{ state = "X~", into = "center", frames = [{far}] }} ]')
+
+
+def test_what_is_refused_names_its_file(kicks: MotionGraph) -> None:
+    """Where several files lie about, the message says in which one to look."""
+    with pytest.raises(InputError, match=r"^kicks\.toml: No state is called 'Q'"):
+        edits.parse('states.rename = { Q = "guard" }', "kicks.toml").apply(kicks)
+    with pytest.raises(InputError, match=r"^kicks\.toml: No phrase at frame 9"):
+        edits.parse("phrases.split = [ { frame = 9 } ]", "kicks.toml").apply_to_phrases([Phrase(0, 0, 5)])
 
 
 def test_a_name_that_is_taken_is_refused(kata: MotionGraph) -> None:

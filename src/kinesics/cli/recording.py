@@ -119,7 +119,7 @@ def read_edits(file: Path | None) -> Edits | None:
     if file is None:
         return None
     try:
-        return edits.parse(formats.load(file).decode("utf-8-sig"))
+        return edits.parse(formats.load(file).decode("utf-8-sig"), file.name)
     except UnicodeDecodeError:
         raise FileError(file, "is not UTF-8 text.") from None
     except FileError:

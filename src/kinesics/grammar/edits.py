@@ -28,6 +28,7 @@ or the path traversed at it; ``"1@812"`` and ``"walk.bvh@812"`` are of the secon
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import re
 import tomllib
@@ -42,6 +43,8 @@ from kinesics.grammar.graph import MotionGraph, Occurrence, Path, State, Stay, l
 T = TypeVar("T")
 P = TypeVar("P", "PhraseName", "PhraseMerge", "PhraseSplit")
 
+NEAR: Final = 1.0
+"""Seconds: a frame farther than this from every visit of a state names none of them."""
 _NAME: Final = re.compile(r"[^\W_]+")
 _EXAMPLES: Final = {
     "states": 'rename = { A = "guard", "X~" = "attention" }',
@@ -122,6 +125,8 @@ class Edits:
     phrase_names: tuple[PhraseName, ...] = ()
     phrase_merges: tuple[PhraseMerge, ...] = ()
     phrase_splits: tuple[PhraseSplit, ...] = ()
+    file: str = ""
+    """Name of the side file, for messages."""
 
     def of_source(self, source: int, name: str = "") -> Edits:
         """Without the edits of phrases of other recordings; those of this one, by number or name, have its number."""
@@ -145,7 +150,8 @@ class Edits:
             If a label, a frame or a recording is not in the graph (the message lists the labels that are), what is merged cannot
             be one, or a name is taken.
         """
-        return _Editor(graph, self).edited()
+        with self._named():
+            return _Editor(graph, self).edited()
 
     def apply_to_phrases(self, phrases: Iterable[Phrase]) -> tuple[Phrase, ...]:
         """The phrases split, merged and named; they tile what they tiled.
@@ -155,6 +161,18 @@ class Edits:
         InputError
             If there is no phrase at a frame.
         """
+        with self._named():
+            return self._phrases_edited(phrases)
+
+    @contextlib.contextmanager
+    def _named(self) -> Iterator[None]:
+        """What is refused says in which file it stands."""
+        try:
+            yield
+        except InputError as error:
+            raise (InputError(f"{self.file}: {error}") if self.file else error) from None
+
+    def _phrases_edited(self, phrases: Iterable[Phrase]) -> tuple[Phrase, ...]:
         parts = sorted(phrases, key=lambda p: (p.source, p.start))
         for split in self.phrase_splits:
             k = _phrase_at(parts, split.source, split.frame)
@@ -176,8 +194,12 @@ class Edits:
         return tuple(parts)
 
 
-def parse(text: str) -> Edits:
+def parse(text: str, file: str = "") -> Edits:
     """The edits that a side file holds.
+
+    Parameters
+    ----------
+    file : its name, which is told where something cannot be applied.
 
     Raises
     ------
@@ -217,6 +239,7 @@ def parse(text: str) -> Edits:
             PhraseSplit(_get(v, "frame", int, at), _source(v, at))
             for v, at in _entries(phrases, "phrases", "split", ("frame", "source"))
         ),
+        file=file,
     )
 
 
@@ -237,10 +260,14 @@ class _Editor:
             e.source for part in (edits.phrase_names, edits.phrase_merges, edits.phrase_splits) for e in part
         ):
             self._source(which)
+        for label, name in edits.state_names.items():
+            self._check_unstarred(label, name, self._state(label))
+        for label, name in edits.path_names.items():
+            self._check_unstarred(label, name, self._path(label))
         state_names = [(self._state(label).id, name) for label, name in edits.state_names.items()]
         path_names = [(self._path(label).id, name) for label, name in edits.path_names.items()]
-        state_merges = [(self._state(m.keep).id, self._state(o).id) for m in edits.state_merges for o in m.others]
-        path_merges = [(self._path(m.keep).id, self._path(o).id) for m in edits.path_merges for o in m.others]
+        state_merges = _apart("states", edits.state_merges, lambda label: self._state(label).id)
+        path_merges = _apart("paths", edits.path_merges, lambda label: self._path(label).id)
         for split in edits.path_splits:
             self._split_path(split)
         for split in edits.state_splits:
@@ -257,6 +284,18 @@ class _Editor:
         paths = label_paths(states, self.paths.values())
         named = tuple(dataclasses.replace(p, label=self.path_names.get(p.id, p.label)) for p in paths)
         return MotionGraph(states, named, graph.sources)
+
+    def _check_unstarred(self, label: str, name: str, thing: State | Path) -> None:
+        """Refuse a name for what is called after its mirror image."""
+        if thing.mirror_of is None or thing.label != label or not label.endswith(notation.MIRROR):
+            return
+        path = isinstance(thing, Path)
+        image = notation.mirror_path_label(label) if path else notation.mirror_state_label(label)
+        starred = f"({name}){notation.MIRROR}" if path else name + notation.MIRROR
+        raise InputError(
+            f"'{label}' cannot be called '{name}': it is called after its mirror image. Name that: with "
+            f"\"{image}\" = \"{name}\", '{label}' is '{starred}'."
+        )
 
     def _once(self, names: Iterable[tuple[int, str]]) -> Iterator[tuple[int, str]]:
         """States, or paths as `_now` counts them, with their names; refused where one is to have two, it or its mirror image."""
@@ -341,7 +380,7 @@ class _Editor:
         visits = [(k, frame) for k, frame in self._visits(before) if self._state_at(before, k) == state.id]
         if not visits:
             raise InputError(f"State '{state.label}' is not visited in source {source}: it cannot be split there.")
-        chosen = {min(visits, key=lambda v: abs(v[1] - frame))[0] for frame in split.frames}
+        chosen = {self._visit_near(frame, visits, before, state, source) for frame in split.frames}
         here = [k for k, _ in visits if self._state_at(timeline, k) == state.id]
         if not chosen <= set(here):
             raise InputError(
@@ -382,6 +421,28 @@ class _Editor:
                 continue
             partner = made.get((image, self._image(from_) or 0, self._image(to) or 0))
             self.paths[branch] = dataclasses.replace(self.paths[branch], mirror_of=partner)
+
+    def _visit_near(
+        self,
+        frame: int,
+        visits: Sequence[tuple[int, float]],
+        timeline: Sequence[tuple[Path | None, Occurrence | None]],
+        state: State,
+        source: int,
+    ) -> int:
+        """The boundary at which a state is visited nearest to a frame; refused where none is near."""
+        place, _ = min(visits, key=lambda visit: abs(visit[1] - frame))
+        ends = [o.end for _, o in timeline[max(place - 1, 0) : place] if o is not None]
+        starts = [o.start for _, o in timeline[place : place + 1] if o is not None]
+        low = ends[0] if ends else 0
+        high = starts[0] if starts else self.graph.sources[source].frames
+        if max(low - frame, frame - high) > NEAR * self.graph.sources[source].fps:
+            seen = ", ".join(f"{middle:.0f}" for _, middle in visits[:20])
+            raise InputError(
+                f"State '{state.label}' is not visited within {NEAR:g} s of frame {frame} of source {source}; it is at {seen}"
+                f"{', …' if len(visits) > 20 else ''}."
+            )
+        return place
 
     def _image(self, state: int) -> int | None:
         known = self.states[state]
@@ -607,6 +668,19 @@ class _Editor:
 
     def _said(self, path: Path) -> str:
         return path.label or f"{self.states[path.from_].label} to {self.states[path.to].label}"
+
+
+def _apart(what: str, merges: Iterable[Merge], find: Callable[[str], int]) -> list[tuple[int, int]]:
+    """What is kept and what becomes part of it, by id; refused where they are one."""
+    out = []
+    for merge in merges:
+        for other in merge.others:
+            pair = find(merge.keep), find(other)
+            if pair[0] == pair[1]:
+                named = f"'{merge.keep}'" if merge.keep == other else f"'{merge.keep}' and '{other}', which are one,"
+                raise InputError(f"Expected two {what} or more in a merge, got {named} alone: nothing would be merged.")
+            out.append(pair)
+    return out
 
 
 def _plainly_named(graph: MotionGraph, path: Path, auto: Path) -> bool:
