@@ -5,12 +5,14 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 import kinesics as kx
 from kinesics.analysis import facts
+from kinesics.geometry import quaternion
 from kinesics.grammar.graph import MotionGraph, Occurrence, State, Stay
 from kinesics.grammar.graph import Path as GraphPath
 from kinesics.grammar.graph import Source as GraphSource
@@ -113,7 +115,12 @@ def test_a_limp_is_noteworthy() -> None:
 
 def test_strikes_and_differences_of_the_sides_are_noteworthy(jacks: kx.Analysis) -> None:
     """When, and where."""
-    overall = replace(jacks.overall, bias_degrees={"radius": 31.2, "head": 2.0}, bias_largest_degrees=31.2)
+    overall = replace(
+        jacks.overall,
+        bias_degrees={"humerus": 90.0, "radius": 31.2, "head": 45.0},
+        bias_kept=("humerus",),
+        lean_degrees={},
+    )
     changed = replace(
         jacks,
         sources=(replace(jacks.sources[0], overall=overall),),
@@ -121,7 +128,51 @@ def test_strikes_and_differences_of_the_sides_are_noteworthy(jacks: kx.Analysis)
     )
     said = words.surprises(changed)
     assert any("forearms (31°)" in s for s in said)
+    assert not any("leaning" in s for s in said)
     assert any(s.startswith("1 strike") and "1.0 s" in s for s in said)
+
+
+@pytest.mark.parametrize(
+    ("held", "said"),
+    [
+        ({"Head": 10.0}, "the head by 10° against the chest: "),
+        ({"Neck": 10.0, "Head": 10.0}, "the head by 20° against the chest: "),
+        ({"Spine": 10.0, "Spine1": -1.0}, "the chest by 9° against the pelvis: "),
+        ({"Spine": 9.0, "Head": -12.0}, "the chest by 9° against the pelvis and the head by 12° against the chest: "),
+        ({"Neck": -12.0, "Head": 12.0}, None),
+        ({"Head": 5.0}, None),
+        ({}, None),
+    ],
+)
+def test_a_lean_is_told_at_its_size(held: dict[str, float], said: str | None) -> None:
+    """As many degrees as the head or the chest was turned to a side; links of a neck that cancel out are no posture."""
+    motion = kx.performer.walk(seconds=6, fps=30, seed=1).motion
+    rotations = motion.rotations.copy()
+    for name, degrees in held.items():
+        joint, half = motion.skeleton.joint_names.index(name), np.deg2rad(degrees) / 2
+        aside = np.array([np.cos(half), 0.0, 0.0, np.sin(half)])
+        rotations[:, joint] = quaternion.multiply(rotations[:, joint], aside)
+    found = kx.analyze(motion.replace(rotations=rotations))
+    told = [s for s in words.surprises(found) if "leaning" in s]
+    if said is None:
+        assert told == []
+    else:
+        (sentence,) = told
+        assert f"all the time, {said}" in sentence
+    if "Head" in held:
+        assert found.overall.bias_degrees["head"] == pytest.approx(abs(held["Head"]), abs=0.5)
+
+
+@pytest.mark.parametrize(
+    ("similarity", "said"), [(0.9, "0.90"), (0.9949, "0.99"), (0.99995, "0.99995"), (0.999999, "over 0.99999")]
+)
+def test_a_similarity_begins_with_its_zero(jacks: kx.Analysis, similarity: float, said: str) -> None:
+    """A number as it is written everywhere else, and never rounded up to 1."""
+    (source,) = jacks.sources
+    once = replace(source, overall=replace(source.overall, period_s=None))
+    members = (facts.MotifMember(0, 0, 150, False, False), facts.MotifMember(0, 180, 330, False, True))
+    found = replace(jacks, sources=(once,), motifs=(facts.Motif(0, "mirror", similarity, members),))
+    assert any(s.endswith(f"(similarity {said})") for s in words.surprises(found))
 
 
 def test_a_half_that_mirrors_the_other_is_noteworthy() -> None:

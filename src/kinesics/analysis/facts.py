@@ -42,9 +42,15 @@ class Overall:
     repeats: float | None = None
     """How many periods long the movement is."""
     bias_degrees: Mapping[str, float] = field(default_factory=dict)
-    """The constant difference of left and right, degrees: of limbs, by their name without side, and of axial links."""
+    """Degrees, all the time: of limbs, by their name without side, the difference of left and right; of axial links how far each
+    leans or is turned to one side."""
+    bias_kept: tuple[str, ...] = ()
+    """Those of them that are a posture, or have no average, and stay with the movement."""
+    lean_degrees: Mapping[str, float] = field(default_factory=dict)
+    """What the axial links add up to: how far the chest leans or is turned to one side against the pelvis ("trunk"), the head
+    against the chest ("head"); without those of which a link is kept."""
     bias_largest_degrees: float | None = None
-    """The largest of them that was set aside before judging; larger ones are a posture and stay with the movement."""
+    """The largest of ``bias_degrees`` that was set aside before judging."""
     reasons: tuple[str, ...] = ()
     """What decided, what was assumed, why it cannot be told."""
 
@@ -101,7 +107,7 @@ class Phrase:
     repeats: float | None = None
     """How many periods long it is."""
     bias_largest_degrees: float | None = None
-    """The largest constant difference of left and right that was set aside before judging."""
+    """The largest constant difference of limbs, or lean of an axial link, that was set aside before judging."""
     reasons: tuple[str, ...] = ()
     name: str | None = None
     """Given by a person in a side file of edits."""

@@ -26,6 +26,8 @@ def overall(verdict: Verdict | None) -> facts.Overall:
     return facts.Overall(
         **_judged(verdict),
         bias_degrees={} if bias is None else {link: float(angle) for link, angle in bias.degrees.items()},
+        bias_kept=() if bias is None else bias.kept,
+        lean_degrees={} if bias is None else {part: float(angle) for part, angle in bias.leans.items()},
     )
 
 

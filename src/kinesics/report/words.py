@@ -76,19 +76,14 @@ RESIDUALS: Final[tuple[tuple[str, str], ...]] = (
 
 _BIAS_DEGREES: Final = 15.0
 """A constant difference of left and right from which on it is worth a sentence."""
+_LEAN_DEGREES: Final = 0.5 * _BIAS_DEGREES
+"""Likewise of a lean or turn to one side: it differs from its mirror image by twice of it."""
 _LATE: Final = 0.03
 """Of a cycle: one side later than the other by so much is worth a sentence, if it is so in all cycles alike."""
 _UNEVEN: Final = 0.15
 """Standard deviation of the length of cycles, over their mean."""
 _LIMBS: Final = {"humerus": "upper arms", "radius": "forearms", "femur": "thighs", "tibia": "lower legs"}
-_AXIAL: Final = {
-    "lowerback": "lower back",
-    "upperback": "upper back",
-    "thorax": "chest",
-    "lowerneck": "neck",
-    "upperneck": "neck",
-    "head": "head",
-}
+_LEANS: Final = {"trunk": "the chest by {:.0f}° against the pelvis", "head": "the head by {:.0f}° against the chest"}
 _LONGEST_REFRAIN: Final = 24
 _PART: Final = 0.3
 """Of a recording: a part of it as long as that which comes again is worth a sentence."""
@@ -285,26 +280,27 @@ def _halves(analysis: Analysis, source: int) -> list[str]:
     )
     # 1 would say that nothing differs
     alike = (
-        f"{similarity:.2f}" if similarity < 0.995 else f"{similarity:.5f}" if similarity < 0.99999 else "over .99999"
+        f"{similarity:.2f}" if similarity < 0.995 else f"{similarity:.5f}" if similarity < 0.99999 else "over 0.99999"
     )
     fps = known.fps
     return [
         f"{two.start / fps:.1f}-{two.end / fps:.1f} s is {how} {one.start / fps:.1f}-{one.end / fps:.1f} s "
-        f"(similarity {alike.removeprefix('0')})"
+        f"(similarity {alike})"
     ]
 
 
 def _bias(source: Source) -> list[str]:
-    largest = source.overall.bias_largest_degrees
-    if largest is None or largest < _BIAS_DEGREES:
-        return []
-    link = next((k for k, v in source.overall.bias_degrees.items() if v == largest), "")
+    """Limbs whose sides differ; chest and head that lean, by what all links of trunk and neck add up to."""
+    judged = source.overall
     aside = "set aside before the symmetry was judged"
-    if link in _LIMBS:
-        return [f"left and right differ all the time, most in the {_LIMBS[link]} ({largest:.0f}°): {aside}"]
-    return [
-        f"leaning or turned to one side all the time, most in the {_AXIAL.get(link, link)} ({largest:.0f}°): {aside}"
-    ]
+    limbs = {k: v for k, v in judged.bias_degrees.items() if k in _LIMBS and k not in judged.bias_kept}
+    out = []
+    if (most := max(limbs, key=lambda k: limbs[k], default=None)) is not None and limbs[most] >= _BIAS_DEGREES:
+        out.append(f"left and right differ all the time, most in the {_LIMBS[most]} ({limbs[most]:.0f}°): {aside}")
+    held = [_LEANS[k].format(v) for k, v in judged.lean_degrees.items() if v >= _LEAN_DEGREES]
+    if held:
+        out.append(f"leaning or turned to one side all the time, {' and '.join(held)}: {aside}")
+    return out
 
 
 def _uneven(analysis: Analysis, source: int) -> list[str]:
