@@ -207,10 +207,16 @@ def test_one_frame_has_no_speed() -> None:
 
 
 def test_warnings_of_all_sources_are_gathered() -> None:
-    """Once each."""
-    a = bodies.arms_swinging(20).replace(warnings=("the left hand jumps",))
-    b = bodies.arms_swinging(20).replace(warnings=("the left hand jumps", "the feet float"))
-    assert kx.analyze([a, b]).warnings == ("the left hand jumps", "the feet float")
+    """Once each; of several recordings each says whose it is, and the same one of two recordings is told of both."""
+    a = bodies.arms_swinging(20, file_name="a.bvh").replace(warnings=("the left hand jumps",))
+    b = bodies.arms_swinging(20, file_name="b.bvh").replace(warnings=("the left hand jumps", "the feet float"))
+    assert kx.analyze(b).warnings == ("the left hand jumps", "the feet float")
+    both = kx.analyze([a, b])
+    assert both.warnings == ("a.bvh: the left hand jumps", "b.bvh: the left hand jumps", "b.bvh: the feet float")
+    assert both.sources[1].warnings == b.warnings
+    assert both.to_dict()["warnings"] == list(both.warnings)
+    twins = kx.analyze([a, a[:15]])
+    assert twins.warnings == ("a.bvh (1): the left hand jumps", "a.bvh (2): the left hand jumps")
 
 
 def test_bad_arguments_are_refused() -> None:

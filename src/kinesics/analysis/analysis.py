@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from kinesics.analysis import judgement
 from kinesics.analysis import stillness as _stillness
 from kinesics.analysis import symmetric_states as _symmetric
-from kinesics.analysis.facts import Facts, Gap, Range, Source, Speed
+from kinesics.analysis.facts import Facts, Gap, Range, Source, Speed, source_names
 from kinesics.analysis.serial import decode, encode
 from kinesics.body import anatomy, quality
 from kinesics.body.motion import Motion
@@ -163,9 +163,6 @@ def analyze(
     first_motifs = np.cumsum([0, *(len(g.motifs) for g in grammars)])
     numbered = list(enumerate(grammars))
     firsts = np.cumsum([0, *(len(p) for p in phrases)])
-    remarks = [
-        _said(source, remark, sources) for source, g in zip(sources, grammars, strict=True) for remark in g.remarks
-    ]
     graph = grammars[0].graph
     if len(sources) > 1:
         names = [s.name or f"motion {k + 1}" for k, s in enumerate(sources)]
@@ -211,7 +208,7 @@ def analyze(
         symmetric_states=_ranges(symmetric),
         gaps=tuple(gap for k, q in enumerate(doubts) for gap in _gaps(k, q)),
         speed=summarize_speed(speeds, [p.fps for p in sequences]),
-        warnings=tuple(dict.fromkeys([*(w for s in sources for w in s.warnings), *remarks])),
+        warnings=_warnings(sources, [g.remarks for g in grammars]),
         motions=tuple(understood),
         poses=tuple(sequences),
         speed_curves=speeds,
@@ -286,9 +283,14 @@ def _source(motion: Motion, sequence: PoseSequence, doubts: quality.Quality, gra
     )
 
 
-def _said(source: Source, remark: str, sources: Sequence[Source]) -> str:
-    """A remark, with the recording's name where there are several."""
-    return remark if len(sources) == 1 else f"{source.name}: {remark}"
+def _warnings(sources: Sequence[Source], remarks: Sequence[Sequence[str]]) -> tuple[str, ...]:
+    """What looks wrong with each recording and what its grammar remarks; named where there are several."""
+    said = [
+        (name, each)
+        for name, source, own in zip(source_names(sources), sources, remarks, strict=True)
+        for each in (*source.warnings, *own)
+    ]
+    return tuple(dict.fromkeys(each if len(sources) == 1 else f"{name}: {each}" for name, each in said))
 
 
 def _gaps(source: int, doubts: quality.Quality) -> list[Gap]:

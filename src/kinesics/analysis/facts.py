@@ -7,7 +7,7 @@ underscore (``class_``, ``from_``) stands for a name that Python keeps for itsel
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -235,4 +235,14 @@ class Facts:
     graph: MotionGraph = field(default_factory=MotionGraph)
     """Without states where none was read; in JSON with its notation and its information."""
     warnings: tuple[str, ...] = ()
-    """What looks wrong with the recording or makes the analysis doubtful, of all sources together."""
+    """What looks wrong with the recording or makes the analysis doubtful, of all sources together; where there are several each
+    begins with the name of its recording (`source_names`)."""
+
+
+def source_names(sources: Sequence[Source]) -> tuple[str, ...]:
+    """What each recording is called; those of one name are numbered."""
+    names = [s.name or "a motion made by the program" for s in sources]
+    return tuple(
+        f"{name} ({names[: number + 1].count(name)})" if names.count(name) > 1 else name
+        for number, name in enumerate(names)
+    )

@@ -10,6 +10,7 @@ import numpy as np
 
 from kinesics.analysis import Analysis
 from kinesics.analysis.facts import MotifMember, Overall, Phrase, Source
+from kinesics.analysis.facts import source_names as _source_names
 from kinesics.grammar.graph import MotionGraph
 
 CLASSES: Final[dict[str, tuple[str, str]]] = {
@@ -91,12 +92,7 @@ _PART: Final = 0.3
 
 def source_names(analysis: Analysis) -> tuple[str, ...]:
     """What each recording is called; those of one name are numbered."""
-    names = [s.name or "a motion made by the program" for s in analysis.sources]
-    out = []
-    for number, name in enumerate(names):
-        which = f" ({names[: number + 1].count(name)})" if names.count(name) > 1 else ""
-        out.append(name + which)
-    return tuple(out)
+    return _source_names(analysis.sources)
 
 
 def lingering(graph: MotionGraph, source: int) -> float:
