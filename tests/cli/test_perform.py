@@ -64,6 +64,33 @@ def test_it_leaves_the_movement_its_provenance_and_a_picture(
     assert (tmp_path / "new.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_a_second_movement_of_the_same_name_is_told_whose_provenance_lies_there(
+    kinesics: Kinesics, walk: Path, tmp_path: Path
+) -> None:
+    """One provenance belongs to one movement: refused, with the movement it belongs to and a name that would do."""
+    (tmp_path / "new.provenance.json").write_text("{}", encoding="utf-8")
+    got = kinesics("perform", walk, "--out", "new.glb", "--seconds", "1")
+    assert got.code == 2
+    assert "belongs to" not in got.err
+    (tmp_path / "new.bvh").write_text("", encoding="utf-8")
+    got = kinesics("perform", walk, "--out", "new.glb", "--seconds", "1")
+    assert got.code == 2
+    told = " ".join(got.err.split())
+    assert "belongs to 'new.bvh'" in told
+    assert "such as 'new-2.glb'" in told
+    assert not (tmp_path / "new.glb").exists()
+
+
+def test_how_near_counts_as_there(kinesics: Kinesics, walk: Path) -> None:
+    """--within, beside a target."""
+    got = kinesics("perform", walk, "--target", "0,2", "--within", "0.2", "--json")
+    assert got.code == 0, got.err
+    facts = json.loads(got.out)
+    assert facts["parameters"]["radius"] == 0.2
+    assert facts["goal"]["nearest_m"] <= 0.2
+    assert "how near to a `target`" in " ".join(kinesics("perform", walk, "--within", "0.2", "--json").err.split())
+
+
 @pytest.mark.parametrize("suffix", [".bvh", ".amc", ".glb", ".npz"])
 def test_the_same_call_leaves_the_same_bytes(kinesics: Kinesics, walk: Path, tmp_path: Path, suffix: str) -> None:
     """Nothing depends on the day, the folder, or what was made before; another seed makes another movement."""

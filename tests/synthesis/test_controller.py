@@ -450,6 +450,19 @@ def test_from_state_to_state_by_the_shortest_way() -> None:
         assert course.outcome == ("A to C in 2 paths, 0.40 s",)
 
 
+def test_what_there_is_no_time_for_is_not_attained() -> None:
+    """A last path cut short is not come to the end of: neither a state nor a place beyond."""
+    net = floor_network([Path("ab", 4, 0.1, 0.0), Path("ba", 4, 0.1, 0.0)], {"ab": ["ba"], "ba": ["ab"]},
+                        state_from=("A", "B"), state_to=("B", "A"))  # fmt: skip
+    for frames in range(3, 6):
+        course = perform_paths(net, StateToState("A", "B"), frames / net.repertoire.fps, start=0, finish=True)
+        assert course.attained == (frames >= 4)
+    place = Target((0.0, 0.3), radius=0.05)
+    for frames, there in ((2, False), (3, False), (4, True)):
+        course = perform_paths(net, place, frames / net.repertoire.fps, start=0, bend=0.0, stand=False)
+        assert course.attained == there, (course.ground, course.outcome)
+
+
 def test_goals_can_be_changed_while_it_goes_on(net: Network, ready: Prospects) -> None:
     """Live, the next decision obeys the new wish."""
     controller = Controller(net, Target((0.0, 8.0)), prepared=ready, start=AHEAD)
@@ -491,6 +504,15 @@ def test_what_was_not_reached_is_said(net: Network, ready: Prospects) -> None:
         (lambda: Speed(-1.0), "speed"),
         (lambda: Novelty(forget=0.0), "`forget`"),
         (lambda: StateToState("A", "B", by="hops"), "seconds, cost"),
+        (lambda: StateToState("A", ""), "name of a state, got an empty one"),
+        (lambda: Targets(3), "`positions`.*got 3"),  # type: ignore[arg-type]
+        (lambda: Target((1.0, 2.0), radius="near"), "`radius` above 0, got 'near'"),  # type: ignore[arg-type]
+        (lambda: Heading("left"), "`heading` to be a finite number, got 'left'"),  # type: ignore[arg-type]
+        (lambda: Speed(None), "`speed` of 0 or more metres a second, got None"),  # type: ignore[arg-type]
+        (lambda: Novelty(forget="soon"), "`forget`.*got 'soon'"),  # type: ignore[arg-type]
+        (lambda: Favour(7), "as text, got 7"),  # type: ignore[arg-type]
+        (lambda: Favour(" "), "got an empty one"),
+        (lambda: Route([(0.0, 1.0), (2.0, 1.0)], haste=None), "`haste`"),  # type: ignore[arg-type]
     ],
 )
 def test_impossible_wishes_are_refused(make: Callable[[], object], words: str) -> None:

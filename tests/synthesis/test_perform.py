@@ -6,7 +6,7 @@ import itertools
 import re
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import jsonschema
 import numpy as np
@@ -18,7 +18,20 @@ from kinesics.formats import read_extras
 from kinesics.grammar import edits
 from kinesics.report.performances import performance_schema
 from kinesics.synthesis import goals
+from kinesics.synthesis.network import labelled
 from kinesics.synthesis.piece import Piece
+from kinesics.synthesis.wish import Grammar, Wish, check_names
+
+
+class Told(NamedTuple):
+    """What the network asks of a phrase."""
+
+    start: int
+    end: int
+    kind: int | None
+    class_: str | None = None
+    name: str | None = None
+    source: int = 0
 
 
 @pytest.fixture(scope="module")
@@ -174,6 +187,43 @@ def test_from_state_to_state_begins_and_ends_there(walks: list[kx.Motion]) -> No
     assert kx.performance(walks[0], from_state="A", seconds=2).spans[0].source_start in passed["A"] | passed["A*"]
 
 
+def test_a_state_that_there_is_no_time_for_is_not_come_to(walks: list[kx.Motion]) -> None:
+    """What is told is what was performed, cut short or not; and how many seconds it takes, in which it is then done."""
+    short = kx.performance(walks[0], from_state="A", to_state="A*", seconds=0.2)
+    assert short.motion.frame_count == 6
+    assert not short.attained
+    found = re.fullmatch(r"did not come from A to A\*, to which the quickest way takes (\d\.\d\d) s", *short.outcome)
+    assert found is not None
+    assert short.motion.warnings == (f"{short.outcome[0]}: give more seconds",)
+    enough = kx.performance(walks[0], from_state="A", to_state="A*", seconds=float(found[1]))
+    assert enough.attained
+    assert enough.motion.warnings == ()
+    assert enough.outcome[0].startswith("A to A* in ")
+
+
+def test_a_place_counts_from_its_edge_on() -> None:
+    """Two metres and a half in a straight line lead to half a metre from a place three metres off."""
+    wish = Wish.of((0.0, 3.0), None, None, None, None, None)
+    assert wish.least_metres == 2.5
+    assert wish.may_try_again(2.0, 1.25)
+    assert not wish.may_try_again(1.9, 1.25)
+    assert Wish.of((0.0, 3.0), None, None, None, None, None, radius=0.2).least_metres == pytest.approx(2.8)
+    both = Wish.of(None, None, None, None, None, goals.Targets([(0.0, 3.0), (4.0, 3.0)], radius=0.2))
+    assert both.least_metres == pytest.approx(6.4)
+    assert Wish.of((0.0, 0.1), None, None, None, None, None).least_metres == 0.0
+
+
+def test_how_near_counts_as_there_can_be_said(walks: list[kx.Motion]) -> None:
+    """Nearer than half a metre, and told in the facts."""
+    made = kx.performance(walks, target=(1.0, 4.0), radius=0.25, seed=1)
+    assert made.attained
+    assert made.nearest is not None
+    assert made.nearest <= 0.25
+    facts = made.to_dict()
+    jsonschema.validate(facts, performance_schema())
+    assert facts["parameters"]["radius"] == 0.25
+
+
 def test_a_recording_is_favoured(walks: list[kx.Motion]) -> None:
     """By its name, without reading the grammar; more than half of it then comes from there."""
     for number, name in enumerate(("straight", "circle")):
@@ -193,24 +243,63 @@ def test_a_word_favours_the_recordings_that_have_it_in_their_names(walks: list[k
 
 def test_what_a_person_named_is_favoured_and_gone_to(walks: list[kx.Motion]) -> None:
     """Names of phrases and states from a side file, and the kinds that a report counts."""
-    known = edits.parse('[states]\nrename = { A = "guard" }\n[phrases]\nrename = [ { frame = 30, name = "warm-up" } ]')
-    assert kx.performance(walks[0], favour="warm-up", seconds=3, edits=known).network.phrase[0] == "warm-up"
-    assert kx.performance(walks[0], favour="kind 1", seconds=3).network.phrase[0] == "kind 1"
+    known = edits.parse(
+        "[phrases]\nsplit = [ { frame = 240 } ]\n"
+        'rename = [ { frame = 100, name = "warm-up" }, { frame = 300, name = "rest" } ]'
+    )
+    share = {
+        name: (kx.performance(walks[1], favour=name, seconds=8, edits=known).provenance.source_frame < 240).mean()
+        for name in ("warm-up", "rest")
+    }
+    assert share["warm-up"] > 0.8
+    assert share["rest"] < 0.3
+    known = edits.parse('states.rename = { A = "guard" }')
     made = kx.performance(walks[0], from_state="guard", to_state="guard*", edits=known)
     assert made.attained
     with pytest.raises(kx.InputError, match=r"guard, guard\*"):
         kx.perform(walks[0], from_state="A", seconds=3, edits=known)
 
 
-@pytest.mark.parametrize("word", ["jacks", "jack", "cyclic-symmetric-palindromic"])
-def test_what_was_pruned_cannot_be_favoured_and_is_told_so(walks: list[kx.Motion], word: str) -> None:
-    """It is there, but nothing leads to it and back: another word than "unknown"."""
+def test_a_kind_of_phrase_is_favoured() -> None:
+    """As a report counts them: the one kind takes half of the time, the other all of it."""
+    kata = kx.performer.kata(fps=30).motion
+    phrases = kx.analyze(kata).phrases
+    assert {p.kind for p in phrases} == {0, 1}
+    share = []
+    for kind in (0, 1):
+        made = kx.performance(kata, favour=f"kind {kind + 1}", seconds=8)
+        frames = made.provenance.source_frame
+        own = [(p.start <= frames) & (frames < p.end) for p in phrases if p.kind == 0]
+        share.append(np.logical_or.reduce(own).mean())
+    assert share[0] > share[1] + 0.3
+
+
+@pytest.mark.parametrize(
+    ("word", "advice"),
+    [
+        ("jacks", "; or perform from it alone."),
+        ("jack", "; or perform from it alone."),
+        ("cyclic-symmetric-palindromic", "speed and footing."),
+    ],
+)
+def test_what_was_pruned_cannot_be_favoured_and_is_told_so(walks: list[kx.Motion], word: str, advice: str) -> None:
+    """It is there, but nothing leads to it and back: another word than "unknown". A recording can be performed from alone."""
     jacks = kx.performer.jumping_jacks(seconds=4, fps=30).motion.replace(name="jacks")
-    with pytest.raises(
-        kx.InputError,
-        match=r"Nothing can be performed of '(jacks|cyclic-symmetric-palindromic)', which is to be.* perform from it alone",
-    ):
+    with pytest.raises(kx.InputError, match=r"Nothing can be performed of '.*', which is to be") as refused:
         kx.perform([walks[0], jacks], favour=word, seconds=3)
+    assert str(refused.value).endswith(advice)
+
+
+def test_a_kind_that_was_pruned_is_told_so(walks: list[kx.Motion]) -> None:
+    """A kind is counted in the report, whether or not it can be performed."""
+    net = kx.performance(walks[1], favour="kind 1", seconds=2).network
+    phrases = [Told(0, 1, 0), Told(1, 240, 1), Told(240, 480, None)]
+    graph = kx.graph(walks[1])
+    wish = Wish.of(None, None, None, None, "kind 1", None)
+    told = labelled(net, graph, phrases)
+    assert set(told.phrase) - {""} == {"kind 2"}
+    with pytest.raises(kx.InputError, match="Nothing can be performed of 'kind 1'"):
+        check_names(told, wish, Grammar(graph, phrases))
 
 
 def test_one_word_that_is_nearly_right_is_answered_with_the_name(walks: list[kx.Motion]) -> None:
@@ -358,6 +447,12 @@ def _standing() -> kx.Motion:
         (lambda: kx.performer.jumping_jacks(seconds=5, fps=30).motion, {"route": [(0, 0), (0, 3)]}, "no route"),
         (_standing, {"target": (3, 0), "route": [(0, 0), (1, 1)]}, "target and route"),
         (_standing, {"to_state": "A"}, "from_state"),
+        (_standing, {"from_state": 3}, "name of a state in `from_state` as text, got 3"),
+        (_standing, {"favour": ""}, "name of what to favour: a class, .*, got an empty one"),
+        (_standing, {"favour": 7}, "as text, got 7"),
+        (_standing, {"radius": 0.3}, "how near to a `target`"),
+        (_standing, {"target": (0, 3), "radius": -1}, "`radius` above 0"),
+        (_standing, {"target": (0, 3), "radius": "near"}, "`radius` above 0, got 'near'"),
         (_standing, {"target": (1e9, 0)}, "within 10000 m"),
         (_standing, {"target": 3}, "x and z"),
         (_standing, {"target": (float("nan"), 0)}, "finite"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import zipfile
 from pathlib import Path
 
@@ -260,3 +261,17 @@ def test_a_rig_whose_stand_moves_and_other_rigs(shared_data: Path, tmp_path: Pat
             rep.root_positions[0, start : rep.starts[number + 1]][:, [0, 2]], pelvis[:, [0, 2]], atol=1e-9
         )
     check(repertoire([*clips, walk], skeleton=walk.skeleton, fps=60.0))
+
+
+def test_limbs_that_pass_through_each_other_on_another_body_are_told() -> None:
+    """Hips a third as wide and the same swing of the legs: told with the depth here and there; not where bodies are alike."""
+    walk = kx.performer.walk(seconds=4, fps=30).motion.replace(name="walk")
+    narrow = walk.skeleton.offsets.copy()
+    for joint in ("LeftUpLeg", "RightUpLeg"):
+        narrow[walk.skeleton.find(joint), 0] *= 0.3
+    (said,) = repertoire(walk, skeleton=walk.skeleton.replace(offsets=narrow)).warnings
+    assert re.fullmatch(
+        r"walk: on this body .* pass up to \d+ cm into each other, (not at all|\d+ cm) on its own; perform .*", said
+    )
+    assert repertoire(walk, skeleton=walk.skeleton.replace(offsets=1.1 * walk.skeleton.offsets)).warnings == ()
+    assert repertoire(walk).warnings == ()

@@ -47,6 +47,16 @@ def perform(
             help="Go to a place: metres to the left (X) and ahead (Z) of the start.",
         ),
     ] = None,
+    within: Annotated[
+        float | None,
+        typer.Option(
+            "--within",
+            metavar="METRES",
+            rich_help_panel=_PANEL,
+            show_default=False,
+            help="How near to --target counts as there; 0.5 unless given.",
+        ),
+    ] = None,
     route: Annotated[
         Path | None,
         typer.Option(
@@ -213,6 +223,7 @@ def perform(
         piece = performance(
             motions,
             target=place,
+            radius=within,
             route=line,
             from_state=from_,
             to_state=to,

@@ -76,9 +76,22 @@ def check_output(path: str | os.PathLike[str], *, overwrite: bool = False) -> No
         if there.is_dir():
             raise InputError(f"'{there}' is a folder; give another name.")
         if there.exists() and not overwrite:
+            whose = _movement_of(there, target) if there in beside else None
+            if whose is not None:
+                raise InputError(
+                    f"'{there.name}' is there already, in '{there.parent}', and belongs to '{whose}': '{target.name}' would "
+                    f"leave its own in its place. Nothing was performed. Give another name, such as '{target.stem}-2{suffix}', or "
+                    "--overwrite."
+                )
             raise InputError(
                 f"'{there.name}' is there already, in '{there.parent}'; nothing was performed. Give another name, or --overwrite."
             )
+
+
+def _movement_of(beside: Path, target: Path) -> str | None:
+    """The other movement of that stem, beside which a file lies; None where there is none."""
+    others = (beside.with_name(f"{target.stem}{s}") for f in formats.writable() for s in f.suffixes if s != ".asf")
+    return next((other.name for other in others if other != target and other.exists()), None)
 
 
 def save_performance(

@@ -289,10 +289,16 @@ class Controller:
         row = self._row()
         return Transition(row.paths, row.probabilities)
 
-    def step(self) -> Step:
-        """Decide for the next path, and be at its end."""
+    def step(self, frames: int | None = None) -> Step:
+        """Decide for the next path, and be at its end.
+
+        Parameters
+        ----------
+        frames : for how many of its frames there is time, where it is the last and may be cut short: what would come after
+            them attains nothing. All if not given.
+        """
         path, bend = self._decide()
-        return self._play(path, bend)
+        return self._play(path, bend, frames)
 
     def frame(self) -> Frame:
         """The next frame for a live avatar: decides whenever a path has been played to its end."""
@@ -526,15 +532,16 @@ class Controller:
         )
         return composite._replace(paths=composite.paths[1:], trail=rest)
 
-    def _play(self, path: int, bend: float) -> Step:
+    def _play(self, path: int, bend: float, frames: int | None = None) -> Step:
         now = self.now
         if now.path >= 0 and self._goes_on[now.path] != path:
             now.since_jump = 0.0
         step = Step(path, bend, *self._entered(now.path, path, now.place, now.heading), bend * self._walked[path])
         places, headings = self.way(step)
         times = now.time + np.arange(len(places)) / self._fps
+        shown = len(places) - 1 if frames is None else min(frames, len(places) - 1)
         for pursuit in self._pursuits:
-            pursuit.passed(places[:-1], times[:-1])
+            pursuit.passed(places[:shown], times[:shown])
         now.plays[path] += 1
         now.last_played[path] = now.time
         now.path = path
@@ -542,7 +549,7 @@ class Controller:
         lasted = (len(places) - 1) / self._fps
         now.time += lasted
         now.since_jump += lasted
-        for pursuit in self._pursuits:
+        for pursuit in self._pursuits if shown == len(places) - 1 else ():
             pursuit.note(now)
         return step
 
@@ -691,7 +698,7 @@ def perform_paths(
     steps: list[Step] = []
     frames = 0
     while frames < most and not (finish and steps and controller.finished):
-        step = controller.step()
+        step = controller.step(most - frames)
         steps.append(step)
         frames += int(network.length[step.path])
     return _course(controller, steps, most)

@@ -535,9 +535,7 @@ def labelled(
         for path, at in zip(own.tolist(), _most_shared(said, *ends[:, own]), strict=True):
             if at >= 0:
                 classes[path] = said[at].class_ or ""
-                named[path] = said[at].name or (
-                    f"kind {(said[at].kind or 0) + 1}" if repertoire.recording_count == 1 else ""
-                )
+                named[path] = said[at].name or (kind_name(said[at].kind) if repertoire.recording_count == 1 else "")
     return dataclasses.replace(
         network,
         state_from=tuple(w.state_from for w in words),
@@ -546,6 +544,11 @@ def labelled(
         class_=tuple(classes),
         phrase=tuple(named),
     )
+
+
+def kind_name(kind: int | None) -> str:
+    """What a kind of phrases is called, counted from 1; "" for none."""
+    return "" if kind is None else f"kind {kind + 1}"
 
 
 def state_seams(repertoire: Repertoire, graph: MotionGraph) -> Indices:

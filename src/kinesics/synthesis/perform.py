@@ -55,6 +55,7 @@ def perform(
     motions: Motion | Sequence[Motion],
     *,
     target: ArrayLike | None = None,
+    radius: float | None = None,
     route: ArrayLike | None = None,
     from_state: str | None = None,
     to_state: str | None = None,
@@ -83,6 +84,7 @@ def perform(
     ----------
     motions : recordings to perform from; one alone will do. Skeletons and frame rates may differ. What is given twice is used once.
     target : x, z in metres from where the performer starts, facing +z.
+    radius : how near to the target counts as there, metres; .5 unless given.
     route : corners of a line on the floor to follow, shape (n, 2), x and z in metres from where the performer starts.
     from_state, to_state : states of the motion graph (`kinesics.graph` of the same recordings names them, such as "A", "A*" or
         "X~"): begin in the one, and go to the other by the quickest way, on which every transition counts as 3 seconds or more:
@@ -121,6 +123,7 @@ def perform(
     return performance(
         motions,
         target=target,
+        radius=radius,
         route=route,
         from_state=from_state,
         to_state=to_state,
@@ -146,6 +149,7 @@ def performance(
     motions: Motion | Sequence[Motion],
     *,
     target: ArrayLike | None = None,
+    radius: float | None = None,
     route: ArrayLike | None = None,
     from_state: str | None = None,
     to_state: str | None = None,
@@ -166,7 +170,7 @@ def performance(
     progress: Progress = silent,
 ) -> Piece:
     """As `perform`, with all that is known of how the movement came about."""
-    wish = Wish.of(target, route, from_state, to_state, favour, goal)
+    wish = Wish.of(target, route, from_state, to_state, favour, goal, radius)
     if seconds is not None and not (isinstance(seconds, int | float | np.number) and 0.0 < float(seconds) <= LONGEST):
         raise InputError(f"Expected `seconds` above 0 and at most {LONGEST:g}, got {seconds!r}.")
     seed = _whole(seed)
@@ -202,7 +206,7 @@ def performance(
         bend=bend,
         start=start,
         ahead=ahead,
-        again=wish.may_try_again(most, _pace(ahead)),
+        again=wish.may_try_again(most, _fastest(ahead)),
         more_time=seconds is None,
         progress=lambda share: progress(0.75 + 0.1 * share, "choosing the way"),
     )
@@ -240,7 +244,7 @@ def performance(
         wish.places,
         wish.radius or goals.RADIUS,
     )
-    motion = motion.replace(warnings=_doubts(piece, wish, ahead, most, seconds))
+    motion = motion.replace(warnings=stock.warnings + _doubts(piece, wish, ahead, most, seconds))
     return dataclasses.replace(piece, performance=dataclasses.replace(done, motion=motion))
 
 
@@ -335,8 +339,13 @@ def _start(net: Network, wish: Wish, seed: int) -> int | None:
 
 
 def _pace(ahead: Prospects) -> float:
-    """Metres a second in a straight line, at best."""
+    """Metres a second in a straight line, as most of the paths allow."""
     return ahead.reach / ahead.lookahead
+
+
+def _fastest(ahead: Prospects) -> float:
+    """Metres a second in a straight line, which nothing in the recordings exceeds for long."""
+    return ahead.farthest / ahead.lookahead
 
 
 def _most_seconds(wish: Wish, ahead: Prospects, seconds: float | None) -> float:
@@ -395,15 +404,15 @@ def _doubts(piece: Piece, wish: Wish, ahead: Prospects, most: float, seconds: fl
         )
     if wish.attainable and not piece.attained:
         told = "; ".join(piece.outcome) or "the goal was not attained"
-        pace = _pace(ahead)
+        fastest = _fastest(ahead)
         if piece.course.attained and wish.places:
             advice = (
                 ": the way that was chosen leads there, but keeping the feet in place takes the body beside it; give another seed "
                 "or a lower `fps` (--fps), or recordings whose feet slide less"
             )
-        elif wish.metres > most * pace:
+        elif wish.least_metres > most * fastest:
             advice = (
-                f": {wish.metres:.1f} m at {pace:.2f} m/s, the fastest there is, take longer than {most:g} s; "
+                f": {wish.least_metres:.1f} m at {fastest:.2f} m/s, the fastest there is, take longer than {most:g} s; "
                 "give more seconds"
             )
         elif wish.target is not None and _hopeless(piece, wish, ahead):

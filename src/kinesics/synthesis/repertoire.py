@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kinesics.body import anatomy as _anatomy
 from kinesics.body.contacts import floor_height, foot_contacts, grounded
+from kinesics.body.limits import DEPTH_TOLERANCE, Capsules
 from kinesics.body.mirroring import mirror
 from kinesics.body.motion import Motion
 from kinesics.body.pose import PoseSequence, poses
@@ -46,6 +47,10 @@ MOST_FPS: Final = 1000.0
 LEAST_SECONDS: Final = 0.5
 """Of the longest recording: in less, nothing can be left and come back to."""
 
+DEEPER: Final = 0.02
+"""Metres by which limbs pass deeper into each other on another body than on their own, before it is said."""
+LOOKS: Final = 12.0
+"""Moments a second at which that is looked for."""
 LIFTED: Final = 0.05
 """Metres between the root joint and the pelvis from which it is said that the result has the root in the pelvis."""
 
@@ -91,6 +96,8 @@ class Repertoire:
     """Whether mirrored strands may be used."""
     backwards: bool
     """Whether backward strands may be used."""
+    warnings: tuple[str, ...] = ()
+    """What went wrong when they were brought onto the skeleton."""
 
     @property
     def frame_count(self) -> int:
@@ -274,11 +281,13 @@ def repertoire(
     roots: list[tuple[Array, Array]] = []
     contacts: list[NDArray[np.bool_]] = []
     sources: list[Array] = []
+    doubts: list[str] = []
     for name, motion in zip(names, understood, strict=True):
         if motion.fps != rate:
             said.append(f"{name}: resampled from {motion.fps:g} to {rate:g} frames a second")
         try:
             out, remarks = _brought(motion.resample(rate), body)
+            doubts += _through_each_other(name, motion, out)
             level = floor_height(out)
             out = grounded(out)
             feet = foot_contacts(out)
@@ -320,7 +329,47 @@ def repertoire(
         assumptions=tuple(said),
         mirrored=mirrored,
         backwards=backwards,
+        warnings=tuple(doubts),
     )
+
+
+def _through_each_other(name: str, motion: Motion, out: Motion) -> list[str]:
+    """That limbs of a body that was given a movement pass through each other, deeper than those of its own did."""
+    if _same_bones(motion.skeleton, out.skeleton):
+        return []
+    # pairs that interpenetrate in the T-pose of the one body may not in that of the other: of its own all are asked for
+    own, here = _deepest(motion, np.inf), _deepest(out, DEPTH_TOLERANCE)
+    known = {pair: depth for pair, depth in here.items() if depth > max(DEPTH_TOLERANCE, own[pair] + DEEPER)}
+    if not known:
+        return []
+    pair = max(known, key=lambda p: known[p])
+    before = max(own[pair], 0.0)
+    told = f"{100.0 * before:.0f} cm" if before >= 0.005 else "not at all"
+    return [
+        f"{name}: on this body {_said(pair)} pass up to {100.0 * known[pair]:.0f} cm into each other, {told} on its own; "
+        "perform on a body more like it in build"
+    ]
+
+
+def _same_bones(a: Skeleton, b: Skeleton) -> bool:
+    return a.same_tree(b) and np.array_equal(a.offsets[1:], b.offsets[1:])
+
+
+def _deepest(motion: Motion, tolerance: float) -> dict[tuple[str, str], float]:
+    """By how many metres each two limbs pass into each other at most, −∞ if never; a few frames a second are looked at."""
+    some = motion[:: max(1, round(motion.fps / LOOKS))]
+    capsules = Capsules.of(some, tolerance=tolerance)
+    depth = capsules.depths(some.positions(), some.global_rotations()).max(axis=0).tolist()
+    return {(capsules.names[a], capsules.names[b]): d for (a, b), d in zip(capsules.pairs, depth, strict=True)}
+
+
+def _said(pair: tuple[str, str]) -> str:
+    """As in "the thighs" or "left thigh and right shank"."""
+    words = {"femur": "thigh", "tibia": "shank", "humerus": "upper arm", "radius": "forearm"}
+    first, second = (" ".join(words.get(word, word) for word in limb.split()) for limb in pair)
+    if first.partition(" ")[2] == second.partition(" ")[2]:
+        return f"the {first.partition(' ')[2]}s"
+    return f"{first} and {second}"
 
 
 def _rate(fps: float | None, motions: Sequence[Motion], names: Sequence[str]) -> float:

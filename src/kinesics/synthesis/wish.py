@@ -15,6 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 from kinesics.body.motion import Motion
 from kinesics.errors import InputError
 from kinesics.synthesis import goals
+from kinesics.synthesis import network as networks
+from kinesics.synthesis.goals.arguments import check_name
+from kinesics.synthesis.goals.favours import FAVOURABLE
 from kinesics.synthesis.goals.naming import unusable, with_word
 from kinesics.synthesis.network import Network
 from kinesics.synthesis.piece import ASIDE, aside_of, visits
@@ -79,6 +82,7 @@ class Wish:
         to_state: str | None,
         favour: str | None,
         goal: Goal | Feature | Sequence[Goal | Feature] | None,
+        radius: float | None = None,
     ) -> Wish:
         """From the arguments of `kinesics.perform`.
 
@@ -95,12 +99,21 @@ class Wish:
             raise InputError(
                 f"A way to the state {to_state!r} begins in a state, too: give `from_state` (--from) beside `to_state` (--to)."
             )
+        if radius is not None and target is None:
+            raise InputError(
+                "`radius` (--within) says how near to a `target` counts as there: give one, or leave it out."
+            )
+        for name, state in (("from_state", from_state), ("to_state", to_state)):
+            if state is not None:
+                check_name(state, f"a state in `{name}`")
+        if favour is not None:
+            check_name(favour, FAVOURABLE)
         own: tuple[Any, ...] = () if goal is None else tuple(goal) if isinstance(goal, (list, tuple)) else (goal,)
         for one in own:
             if isinstance(one, type):
                 raise InputError(f"Expected a goal, got the class {one.__name__} itself: give {one.__name__}(…).")
         return cls(
-            None if target is None else goals.Target(target, radius=goals.RADIUS),  # type: ignore[arg-type]
+            None if target is None else goals.Target(target, radius=goals.RADIUS if radius is None else radius),  # type: ignore[arg-type]
             None if route is None else goals.Route(route),
             from_state,
             to_state,
@@ -147,9 +160,15 @@ class Wish:
             return self.route.length + math.hypot(x, z)
         return sum(math.dist(a, b) for a, b in itertools.pairwise(((0.0, 0.0), *self.places)))
 
-    def may_try_again(self, seconds: float, pace: float) -> bool:
-        """Whether, where the first draw does not lead there, another may."""
-        return bool(self.places or self.route is not None) and self.metres <= seconds * pace
+    @property
+    def least_metres(self) -> float:
+        """The shortest way that counts: to the edge of the last place, across those before."""
+        nearer = goals.RADIUS if self.route is not None else self.radius * (2 * len(self.places) - 1)
+        return max(0.0, self.metres - nearer)
+
+    def may_try_again(self, seconds: float, fastest: float) -> bool:
+        """Whether, where the first draw does not lead there, another may: ``fastest`` in metres a second."""
+        return bool(self.places or self.route is not None) and self.least_metres <= seconds * fastest
 
     def miss(self, trail: Array, attained: bool) -> tuple[float, float]:
         """How many places were not reached, and metres from the next; 0 and 0 if all were.
@@ -204,6 +223,7 @@ class Wish:
         """As plain values."""
         return {
             "target": None if self.target is None else list(self.target.position),
+            "radius": None if self.target is None else float(self.target.radius),
             "route": None if self.route is None else np.asarray(self.route.points).tolist(),
             "from_state": self.from_state,
             "to_state": self.to_state,
@@ -245,10 +265,12 @@ def check_names(net: Network, wish: Wish, grammar: Grammar) -> None:
             )
     known = states | {p.label for p in graph.paths} | {p.class_ or "" for p in grammar.phrases}
     known |= {p.name or "" for p in grammar.phrases}
+    if net.repertoire.recording_count == 1:
+        known |= {networks.kind_name(p.kind) for p in grammar.phrases}
     if wish.favour in known - {""} and not any(
         wish.favour in words for words in (net.class_, net.label, net.state_from, net.state_to, net.phrase)
     ):
-        raise unusable([wish.favour])
+        raise unusable([wish.favour], recordings=False)
 
 
 def favoured(net: Network, wish: Wish) -> tuple[str, ...]:

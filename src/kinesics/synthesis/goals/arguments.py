@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 import numpy as np
@@ -49,19 +50,41 @@ def line_of(points: ArrayLike, name: str, least: int) -> Array:
     return line
 
 
+def is_number(value: object) -> bool:
+    """Whether it is one finite number."""
+    return (
+        isinstance(value, int | float | np.integer | np.floating)
+        and not isinstance(value, bool)
+        and math.isfinite(value)
+    )
+
+
 def check_positive(value: float, name: str) -> None:
-    """Raise InputError unless finite and above 0."""
-    if not (np.isfinite(value) and value > 0.0):
-        raise InputError(f"Expected `{name}` above 0, got {value}.")
+    """Raise InputError unless a finite number above 0."""
+    if not (is_number(value) and value > 0.0):
+        raise InputError(f"Expected `{name}` above 0, got {value!r}.")
 
 
 def check_finite(value: float, name: str) -> None:
-    """Raise InputError unless finite."""
-    if not np.isfinite(value):
-        raise InputError(f"Expected `{name}` to be a finite number, got {value}.")
+    """Raise InputError unless a finite number."""
+    if not is_number(value):
+        raise InputError(f"Expected `{name}` to be a finite number, got {value!r}.")
+
+
+def check_least(value: float, name: str, unit: str = "") -> None:
+    """Raise InputError unless a finite number, 0 or more."""
+    if not (is_number(value) and value >= 0.0):
+        raise InputError(f"Expected `{name}` of 0 or more{unit and f' {unit}'}, got {value!r}.")
 
 
 def check_weight(value: float) -> None:
-    """Raise InputError unless finite and 0 or more."""
-    if not (np.isfinite(value) and value >= 0.0):
-        raise InputError(f"Expected `weight` of 0 or more, got {value}.")
+    """Raise InputError unless a finite number, 0 or more."""
+    check_least(value, "weight")
+
+
+def check_name(name: str, what: str) -> None:
+    """Raise InputError unless a word or more."""
+    if not isinstance(name, str):
+        raise InputError(f"Expected the name of {what} as text, got {name!r}.")
+    if not name.strip():
+        raise InputError(f"Expected the name of {what}, got an empty one.")

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from kinesics.errors import InputError
 from kinesics.synthesis import ways
-from kinesics.synthesis.goals.arguments import check_weight
+from kinesics.synthesis.goals.arguments import check_name, check_weight, is_number
 from kinesics.synthesis.goals.naming import paths_of
 from kinesics.synthesis.goals.pursuit import Feature, Pursuit, Situation
 from kinesics.synthesis.prospects import Prospects
@@ -26,6 +26,7 @@ Mask = NDArray[np.bool_]
 
 SOON: Final = 4.0
 """A property of a path counts e times less for every such part of the lookahead that the path comes later."""
+FAVOURABLE: Final = "what to favour: a class, label, state, phrase or recording"
 FORGET: Final = 30.0
 """Seconds after which a path that was played counts e times less as known."""
 
@@ -41,7 +42,8 @@ class Favour:
     weight: float = 1.0
 
     def __post_init__(self) -> None:
-        """Check the weight."""
+        """Check the name and the weight."""
+        check_name(self.name, FAVOURABLE)
         check_weight(self.weight)
 
     def pursuit(self, network: Network, prospects: Prospects) -> Pursuit:
@@ -74,8 +76,8 @@ class Novelty:
 
     def __post_init__(self) -> None:
         """Check the numbers."""
-        if not self.forget > 0.0:
-            raise InputError(f"Expected `forget` in seconds, above 0 (infinite: never), got {self.forget}.")
+        if self.forget != np.inf and not (is_number(self.forget) and self.forget > 0.0):
+            raise InputError(f"Expected `forget` in seconds, above 0 (infinite: never), got {self.forget!r}.")
         check_weight(self.weight)
 
     def pursuit(self, network: Network, prospects: Prospects) -> Pursuit:
@@ -153,8 +155,8 @@ class OwnFeature:
 
     def __init__(self, feature: Feature) -> None:
         self.feature = feature
+        check_weight(feature.weight)
         self.weight = float(feature.weight)
-        check_weight(self.weight)
 
     def pursuit(self, network: Network, prospects: Prospects) -> Pursuit:
         """See `Goal`."""

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from kinesics.errors import InputError
-from kinesics.synthesis.goals.arguments import check_finite, check_weight
+from kinesics.synthesis.goals.arguments import check_finite, check_least, check_weight
 from kinesics.synthesis.goals.pursuit import Pursuit, Situation, TrailPursuit
 from kinesics.synthesis.prospects import Prospects, Trail
 
@@ -61,8 +60,7 @@ class Speed:
 
     def __post_init__(self) -> None:
         """Check the number."""
-        if not (np.isfinite(self.speed) and self.speed >= 0.0):
-            raise InputError(f"Expected a speed of 0 or more metres a second, got {self.speed}.")
+        check_least(self.speed, "speed", "metres a second")
         check_weight(self.weight)
 
     def pursuit(self, network: Network, prospects: Prospects) -> Pursuit:

@@ -80,13 +80,13 @@ def with_word(word: str, names: Iterable[str], *, whole: bool = False) -> list[s
     return sorted({name for name in names if f" {wanted}{end}" in f" {_words(name)} "})
 
 
-def unusable(names: Sequence[str]) -> InputError:
-    """That nothing can be performed of what is favoured, and what helps."""
+def unusable(names: Sequence[str], *, recordings: bool = True) -> InputError:
+    """That nothing can be performed of what is favoured, recordings or words of the grammar, and what helps."""
     it = "it" if len(names) == 1 else "them"
     return InputError(
         f"Nothing can be performed of {some_of(names, _SEVERAL)}, which {'is' if len(names) == 1 else 'are'} to be favoured: no "
         f"transition leads there and back again. Give longer recordings, or others that are nearer to {it} in pose, speed and "
-        f"footing; or perform from {it} alone."
+        f"footing{f'; or perform from {it} alone' if recordings else ''}."
     )
 
 

@@ -76,9 +76,15 @@ class Targets:
 
     def __post_init__(self) -> None:
         """Check the places."""
-        if not len(self.positions):
+        try:
+            given = list(self.positions)
+        except TypeError:
+            raise InputError(
+                f"Expected `positions` of shape (n, 2), x and z in metres of each target, got {self.positions!r}."
+            ) from None
+        if not given:
             raise InputError("Expected at least one target in `positions`, got none.")
-        places = tuple(place_of(p, f"target {k + 1}") for k, p in enumerate(self.positions))
+        places = tuple(place_of(p, f"target {k + 1}") for k, p in enumerate(given))
         object.__setattr__(self, "positions", places)
         check_positive(self.radius, "radius")
         check_weight(self.weight)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinesics.errors import InputError
-from kinesics.synthesis.goals.arguments import check_weight, line_of
+from kinesics.synthesis.goals.arguments import check_least, check_weight, line_of
 from kinesics.synthesis.goals.places import HASTE, RADIUS
 from kinesics.synthesis.goals.pursuit import Pursuit, Situation, TrailPursuit
 from kinesics.synthesis.prospects import Prospects, Trail
@@ -47,6 +47,7 @@ class Route:
         if not np.hypot(*np.diff(np.asarray(self.points), axis=0).T).sum() > 0.0:
             raise InputError("The points of the route all lie in one place; give a line, or a Target.")
         check_weight(self.weight)
+        check_least(self.haste, "haste")
 
     @property
     def length(self) -> float:

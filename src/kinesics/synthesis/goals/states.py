@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from kinesics.errors import InputError
 from kinesics.synthesis import ways
+from kinesics.synthesis.goals.arguments import check_name, check_weight
 from kinesics.synthesis.goals.naming import states_of
 from kinesics.synthesis.goals.pursuit import Pursuit, Situation
 from kinesics.synthesis.prospects import Prospects
@@ -38,9 +40,12 @@ class StateToState:
     weight: float = 1.0
 
     def __post_init__(self) -> None:
-        """Check the measure."""
+        """Check the names and the measure."""
+        for name in (self.begin, self.end):
+            check_name(name, "a state")
         if self.by not in ways.MEASURES:
             raise InputError(f"Expected `by` to be one of {', '.join(ways.MEASURES)}, got {self.by!r}.")
+        check_weight(self.weight)
 
     def pursuit(self, network: Network, prospects: Prospects) -> Pursuit:
         """See `Goal`."""
@@ -57,6 +62,7 @@ class _ByGraph(Pursuit):
             raise InputError(f"No way leads from state {goal.begin} to state {goal.end}.")
         self._planned = False
         self._left = 0
+        self._seconds = 0.0
 
     def miss(self, rows: slice, now: Situation, bend: float) -> Array:
         return np.zeros(rows.stop - rows.start)
@@ -76,6 +82,7 @@ class _ByGraph(Pursuit):
             assert there is not None
             plan = there[1:] + plan[1:] if len(there) > 1 else plan[1:]
         self._left = len(plan)
+        self._seconds = float(np.asarray(self._network.duration)[plan].sum())
         return plan
 
     def note(self, now: Situation) -> None:
@@ -87,5 +94,13 @@ class _ByGraph(Pursuit):
 
     def outcome(self) -> str:
         assert self._way is not None
+        begin, end = self._goal.begin, self._goal.end
+        if not self._planned:
+            return f"never set out from {begin} to {end}"
+        if self._left > 0:
+            # rounded up: whoever gives as many is there
+            needed = math.ceil(100.0 * self._seconds - 1e-6) / 100.0
+            return f"did not come from {begin} to {end}, to which the quickest way takes {needed:.2f} s"
         seconds = float(np.asarray(self._network.duration)[self._way].sum())
-        return f"{self._goal.begin} to {self._goal.end} in {len(self._way)} paths, {seconds:.2f} s"
+        count = len(self._way)
+        return f"{begin} to {end} in {count} {'path' if count == 1 else 'paths'}, {seconds:.2f} s"
