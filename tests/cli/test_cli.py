@@ -153,6 +153,18 @@ def test_info_as_json(kinesics: Kinesics, walk: Path) -> None:
     assert facts["body"]["parts"]["head"] in facts["joints"]
 
 
+def test_info_of_several_files(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
+    """One after another, as a list for programs; a bad one among them is one message and nothing on stdout."""
+    kx.write(kx.read(walk)[10:40], tmp_path / "part.bvh")
+    said = kinesics("info", walk, "part.bvh").out
+    assert said.index("walk.bvh") < said.index("90 frames") < said.index("part.bvh") < said.index("30 frames")
+    facts = kinesics("info", walk, "part.bvh", "--json").json()
+    assert [(f["name"], f["frames"]) for f in facts] == [("walk.bvh", 90), ("part.bvh", 30)]
+    got = kinesics("info", walk, "missing.bvh")
+    assert (got.code, got.out) == (2, "")
+    assert "missing.bvh" in got.err
+
+
 DOG = """HIERARCHY
 ROOT Body
 {
@@ -295,6 +307,29 @@ def test_several_files_are_one_analysis(kinesics: Kinesics, walk: Path, tmp_path
     kx.write(kx.read(walk)[10:40], tmp_path / "part.bvh")
     got = kinesics("analyze", walk, "part.bvh", "--json").json()
     assert [(s["name"], s["frames"]) for s in got["sources"]] == [("walk.bvh", 90), ("part.bvh", 30)]
+
+
+def test_whose_cycles_and_whose_doubts_is_told(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
+    """Of two recordings: a table of the cycles of each, and every doubt with its recording."""
+    jacks = kx.performer.jumping_jacks(seconds=5, fps=30, seed=0).motion
+    places = jacks.root_positions.copy()
+    places[60] += 1.0
+    kx.write(jacks.replace(root_positions=places), tmp_path / "leap.bvh")
+    kx.write(jacks, tmp_path / "jacks.bvh")
+    analysis = kinesics("analyze", "jacks.bvh", "leap.bvh", "--out", "two")
+    lines = analysis.out.splitlines()
+    facts = kx.load(tmp_path / "two")
+    (top,) = [k for k, line in enumerate(lines) if line.split()[:2] == ["cycles", "of"]]
+    for line, number in zip(lines[top + 1 :], dict.fromkeys(c.phrase for c in facts.cycles), strict=False):
+        name, phrase, count = line.split()[:3]
+        assert (phrase, int(count)) == (str(number + 1), sum(c.phrase == number for c in facts.cycles))
+        assert name == facts.sources[facts.phrases[number].source].name
+    doubts = [line.split("doubtful: ")[1] for line in lines if "doubtful: " in line]
+    assert doubts == list(facts.warnings)
+    assert any(d.startswith("leap.bvh: ") for d in doubts)
+    page = (tmp_path / "two" / "report.html").read_text(encoding="utf-8")
+    assert '<li class="warning">leap.bvh: ' in page
+    assert "cycles of" not in kinesics("analyze", "jacks.bvh").out
 
 
 def test_several_files_share_a_folder_that_says_so(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import csv
 import html.parser
+import io
 import json
 import os
 import re
 import xml.etree.ElementTree as ET
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +25,9 @@ from kinesics.errors import Cancelled, InputError
 from kinesics.grammar.graph import MotionGraph, Occurrence, State, Stay
 from kinesics.grammar.graph import Path as GraphPath
 from kinesics.grammar.graph import Source as GraphSource
+from kinesics.plotting.motif_rows import ranked_stretches
 from kinesics.report import folder as folder_module
+from kinesics.report import page as page_module
 from kinesics.report import pictures
 
 PROMISED = {
@@ -298,14 +302,97 @@ def test_tables_have_headers(saved: tuple[kx.Analysis, Path]) -> None:
         assert {"start", "frame"} & set(header)
     full = kx.Analysis(**{f.name: getattr(_full(), f.name) for f in fields(facts.Facts)})
     assert len(report.tables.phrases(full).splitlines()) == 2
-    assert report.tables.motifs(full).splitlines()[1] == "0,mirror,0.9,0,0,9,0,1"
-    assert report.tables.cycles(full).splitlines()[1] == "0,0,33,1.1,0.5,0.1"
+    assert report.tables.motifs(full).splitlines()[1] == "1,0,mirror,0.9,0,a.bvh,0,9,0.0,0.3,0,1"
+    assert report.tables.cycles(full).splitlines()[1] == "1,0,a.bvh,0,33,0.0,1.1,1.1,0.5,0.1"
+    explained = (saved[1] / "tables.txt").read_text(encoding="utf-8")
+    for column in ("phrase", "kind", "stretch", "source", "motif", "phase"):
+        assert re.search(rf"^ *{column}\b", explained, re.MULTILINE)
+
+
+def _rows(text: str) -> list[dict[str, str]]:
+    return list(csv.DictReader(io.StringIO(text)))
+
+
+def _cells(target: Path, title: str, which: int = 0) -> list[list[str]]:
+    """The rows of a table of the page, by the title above it."""
+    text = (target / "report.html").read_text(encoding="utf-8")
+    table = text[text.index(f">{title}<") :].split("<table")[1 + which].split("</table>")[0]
+    return [re.findall(r"<t[dh][^>]*>(.*?)</t[dh]>", row) for row in table.split("<tr>")[1:]]
+
+
+def test_a_number_of_a_phrase_finds_it_everywhere(tmp_path: Path) -> None:
+    """The page's tables and bars, and the CSV: one number a phrase through both recordings; whose a cycle is stands beside it."""
+    jacks = kx.performer.jumping_jacks(seconds=5, fps=30, seed=0).motion.replace(name="jacks")
+    limp = kx.performer.limp(seconds=7, fps=30, degree=1.0, seed=0).motion.replace(name="limp")
+    analysis = kx.analyze([jacks, limp])
+    kx.save(analysis, tmp_path / "two")
+    phrases, cycles, motifs = (
+        _rows((tmp_path / "two" / f"{n}.csv").read_text()) for n in ("phrases", "cycles", "motifs")
+    )
+    assert [r["phrase"] for r in phrases] == [str(k + 1) for k in range(len(phrases))]
+    assert [int(r["kind"]) for r in phrases] == [1 + (p.kind or 0) for p in analysis.phrases]
+    of = {r["phrase"]: r for r in phrases}
+    assert {r["recording"] for r in cycles} == {"jacks", "limp"}
+    for cycle in cycles:
+        phrase = of[cycle["phrase"]]
+        assert (cycle["source"], cycle["recording"]) == (phrase["source"], phrase["recording"])
+        assert float(phrase["start_s"]) <= float(cycle["start_s"]) < float(cycle["end_s"]) <= float(phrase["end_s"])
+        assert float(cycle["end_s"]) == int(cycle["end"]) / 30.0
+    # the page
+    header, *shown = _cells(tmp_path / "two", "Phrases")
+    assert header[:2] == ["phrase", "source"]
+    assert [(r[0], r[1], r[header.index("kind")].rstrip("*")) for r in shown] == [
+        (r["phrase"], r["recording"], r["kind"]) for r in phrases
+    ]
+    header, *summed = _cells(tmp_path / "two", "Cycles")
+    assert [(r[0], r[1], r[header.index("cycles")]) for r in summed] == [
+        (p, of[p]["recording"], str(sum(c["phrase"] == p for c in cycles)))
+        for p in dict.fromkeys(c["phrase"] for c in cycles)
+    ]
+    _, *single = _cells(tmp_path / "two", "One by one")
+    assert [r[:3] for r in single] == [[c["phrase"], c["recording"], f"{float(c['start_s']):.2f}"] for c in cycles]
+    bars = [t.get_text() for t in pictures._phrases(analysis, 1).axes[0].texts]
+    assert {r["phrase"] for r in phrases if r["recording"] == "limp"} <= set(bars)
+    # stretches are numbered as the rows of the picture of what recurs, whatever their motifs' ids
+    for number, members in enumerate(ranked_stretches(analysis.motifs), 1):
+        own = [r for r in motifs if r["stretch"] == str(number)]
+        assert len(own) >= len(members)
+        assert (int(own[0]["start"]), int(own[0]["end"])) == (members[0].start, members[0].end)
+
+
+def test_no_two_kinds_look_the_same() -> None:
+    """However many there are; and phrases of one kind do."""
+    looks = [pictures.look_of(k) for k in range(2000)]
+    assert len({(colour, tuple(sorted(hatch))) for colour, hatch in looks}) == 2000
+    assert [hatch for _, hatch in looks[:10]] == [""] * 10
+
+
+def test_every_kind_is_drawn_as_it_looks(saved: tuple[kx.Analysis, Path]) -> None:
+    """Twelve kinds in one recording: the eleventh has the colour of the first, and strokes."""
+    analysis, _ = saved
+    phrases = tuple(
+        facts.Phrase(0, 7 * k, 7 * k + 7, 7 * k / 30, (7 * k + 7) / 30, class_="asymmetric", kind=k) for k in range(12)
+    )
+    bars = pictures._phrases(replace(analysis, phrases=phrases, cycles=()), 0).axes[0].patches
+    assert len({(p.get_facecolor(), p.get_hatch()) for p in bars}) == 12
+    assert bars[0].get_facecolor() == bars[10].get_facecolor()
+
+
+def test_a_wide_graph_fits_the_page_and_can_be_enlarged() -> None:
+    """As wide as the page at first; without scripts a tick makes it as large as it was drawn."""
+    svg = b'<svg width="1400pt" height="300pt" viewBox="0 0 1400 300"><g id="a"/></svg>'
+    wide = page_module._drawing(svg, "graph", "A graph.", kind="natural")
+    assert '<div class="scaled"' in wide
+    assert 'type="checkbox" id="graph-zoom"' in wide
+    assert "--full: 1400pt" in wide
+    assert re.search(r'<svg[^>]*width="', wide) is None
+    assert "input.zoom:checked ~ div.scaled svg { width: var(--full); }" in page_module._STYLE
+    assert "figure svg { display: block; width: 100%" in page_module._STYLE
+    assert "zoom" not in page_module._drawing(svg.replace(b"1400", b"300"), "graph", "A graph.", kind="natural")
 
 
 def test_graphs_are_well_formed(saved: tuple[kx.Analysis, Path]) -> None:
     """GraphML that networkx reads back, also of a graph without states; SVG that is XML."""
-    import io
-
     import networkx as nx
 
     assert set(nx.read_graphml(saved[1] / "graph.graphml", force_multigraph=True).nodes) == {"A", "A*"}
@@ -388,14 +475,14 @@ def test_ctrl_c_between_two_renames_finishes_them(tmp_path: Path, monkeypatch: p
     target = tmp_path / "out"
     kx.save(_walk(file_name="walk.bvh"), target)
     changed = kx.analyze(bodies.legs_striding(70, file_name="walk.bvh"))
-    replace, count = Path.replace, 0
+    rename, count = Path.replace, 0
 
     def interrupted(self: Path, to: Path) -> Path:
         nonlocal count
         count += 1
         if count == 3:
             raise KeyboardInterrupt
-        return replace(self, to)
+        return rename(self, to)
 
     monkeypatch.setattr(folder_module.Path, "replace", interrupted)
     with pytest.raises(KeyboardInterrupt):

@@ -142,6 +142,9 @@ def summarize(result: Analysis) -> None:
             console.print(
                 f"  [dim]{terminal.counted(len(source.assumptions), 'assumption')}: see the report, or kinesics info[/dim]"
             )
+    if len(names) > 1:
+        for line in _whose_cycles(result, names):
+            console.print(f"  {terminal.escape(line)}")
     graph = result.graph
     if graph.states:
         console.print(f"  motion graph: {words.counted(graph)}")
@@ -160,3 +163,21 @@ def summarize(result: Analysis) -> None:
         if len(names) > 1 and result.speed.max_source is not None:
             fastest += f" of {terminal.escape(names[result.speed.max_source])}"
         console.print(f"  {fastest}; contrast β = {result.beta:.3g}")
+
+
+def _whose_cycles(result: Analysis, names: Sequence[str]) -> list[str]:
+    """A table of the cycles of each phrase of each recording; nothing where nothing is cyclic."""
+    from kinesics.report import words
+
+    found = words.cycles_of_phrases(result)
+    if not found:
+        return []
+    shown = [("cycles of", *words.CYCLES_HEADER), *((names[source], *cells) for source, cells in found[:_MOST_PHRASES])]
+    widths = [max(map(len, column)) for column in zip(*shown, strict=True)]
+    # names to the left, numbers to the right
+    lines = [
+        "  ".join([row[0].ljust(widths[0]), *(c.rjust(w) for c, w in zip(row[1:], widths[1:], strict=True))])
+        for row in shown
+    ]
+    more = len(found) - _MOST_PHRASES
+    return lines + ([f"… and of {terminal.counted(more, 'phrase')} more, in cycles.csv"] if more > 0 else [])

@@ -1,4 +1,4 @@
-"""``kinesics info FILE``: what a file is, before anything is computed from it."""
+"""``kinesics info FILE…``: what a file is, before anything is computed from it."""
 
 from __future__ import annotations
 
@@ -22,12 +22,13 @@ SUMMARY = "Say what a file is and what looks wrong with it."
 EXAMPLES = (
     ("kinesics info walk.bvh", ""),
     ("kinesics info 07_01.amc --skeleton 07.asf", "the skeleton lies elsewhere"),
-    ("kinesics info walk.bvh --json", "for programs"),
+    ("kinesics info left.bvh right.bvh", "one after another"),
+    ("kinesics info walk.bvh --json", "for programs; of several files a list"),
 )
 
 
 def info(
-    file: Annotated[Path, typer.Argument(metavar="FILE", show_default=False, help="A recording.")],
+    files: Annotated[list[Path], typer.Argument(metavar="FILE", show_default=False, help="Recordings.")],
     json: recording.Json = False,
     skeleton: recording.Skeleton = None,
     map_: recording.Map = None,
@@ -37,10 +38,14 @@ def info(
 ) -> None:
     """Say what a file is: format, skeleton, length, units, what was assumed, what looks wrong."""
     reading = Reading(skeleton, map_, unit, up, fps)
-    facts = inspect(reading.read(file), reading.mapping())
+    # all before the first is shown: of a bad file nothing but the message is seen
+    found = [inspect(reading.read(file), reading.mapping()) for file in files]
     if json:
-        terminal.print_json(facts)
-    else:
+        terminal.print_json(found[0] if len(found) == 1 else found)
+        return
+    for number, facts in enumerate(found):
+        if number:
+            print()
         _show(facts)
 
 

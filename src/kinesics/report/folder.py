@@ -20,6 +20,7 @@ from kinesics.report import page, pictures, tables
 
 FACTS: Final = "analysis.json"
 FRAMES: Final = "frames.csv"
+EXPLAINED: Final = "tables.txt"
 FILES: Final = (
     "report.html",
     "zz.png",
@@ -29,6 +30,7 @@ FILES: Final = (
     "phrases.csv",
     "motifs.csv",
     "cycles.csv",
+    EXPLAINED,
     FRAMES,
     FACTS,
 )
@@ -133,6 +135,7 @@ def _contents(analysis: Analysis, palette: str, report: Progress) -> Iterator[tu
         "phrases.csv": tables.phrases(analysis).encode(),
         "motifs.csv": tables.motifs(analysis).encode(),
         "cycles.csv": tables.cycles(analysis).encode(),
+        EXPLAINED: tables.EXPLAINED.encode(),
         FRAMES: tables.frames(analysis).encode(),
         FACTS: facts_json(analysis).encode(),
     }

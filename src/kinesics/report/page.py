@@ -24,7 +24,7 @@ from kinesics.report.pictures import MOST_MOTIFS, Pictures, strip_paths
 _MOST_ROWS: Final = 200
 _MOST_WORDS: Final = 400
 _WIDEST: Final = 800.0
-"""Points: a drawing up to so wide is made as wide as the page."""
+"""Points: a drawing up to so wide can be read at the width of the page; a wider one can be enlarged."""
 
 _STYLE: Final = """
 :root { color-scheme: light; }
@@ -47,6 +47,10 @@ td.long { overflow-wrap: anywhere; }
 th { color: #555; font-weight: 600; }
 td.number, th.number { text-align: right; }
 div.wide { overflow-x: auto; }
+input.zoom { margin: 0 .35rem 0 0; }
+label.zoom { font-size: .85rem; color: #555; }
+input.zoom:checked ~ div.scaled { overflow-x: auto; }
+input.zoom:checked ~ div.scaled svg { width: var(--full); }
 table.many { min-width: 48rem; }
 ul { padding-left: 1.2rem; }
 li.warning { color: #8a3b00; }
@@ -55,7 +59,7 @@ p.small { color: #555; font-size: .9rem; }
 p.sentence { overflow-wrap: anywhere; line-height: 1.9; }
 pre { font-size: .8rem; overflow-x: auto; background: #f6f6f4; padding: .8rem; }
 footer { margin-top: 3rem; color: #777; font-size: .85rem; }
-@media print { body { padding: 0; } figure { break-inside: avoid; } }
+@media print { body { padding: 0; } figure { break-inside: avoid; } input.zoom, label.zoom { display: none; } }
 """
 
 
@@ -188,6 +192,7 @@ def _phrases(analysis: Analysis, pictures: Pictures) -> list[str]:
     names = words.source_names(analysis)
     smooth = any(p.smoothness is not None for p in analysis.phrases)
     header = [
+        "phrase",
         *(["source"] if several else []),
         "from (s)",
         "to (s)",
@@ -201,6 +206,7 @@ def _phrases(analysis: Analysis, pictures: Pictures) -> list[str]:
     ]
     rows = [
         [
+            str(number),
             *([names[p.source]] if several else []),
             f"{p.start_s:.2f}",
             f"{p.end_s:.2f}",
@@ -212,7 +218,7 @@ def _phrases(analysis: Analysis, pictures: Pictures) -> list[str]:
             _number(p.speed_mean),
             *([_number(p.smoothness)] if smooth else []),
         ]
-        for p in analysis.phrases[:_MOST_ROWS]
+        for number, p in enumerate(analysis.phrases[:_MOST_ROWS], 1)
     ]
     return [
         "<h2>Phrases</h2>",
@@ -223,6 +229,9 @@ def _phrases(analysis: Analysis, pictures: Pictures) -> list[str]:
         ),
         "<p>A phrase is a stretch of one kind of movement: what recurs in it does not recur across its borders. Phrases of one "
         + ("kind have one number and one colour" + (", in whichever recording they are." if several else "."))
+        + (" Beyond ten kinds colours come again, hatched." if _kinds(analysis) > 10 else "")
+        + (" Over each bar the number of the phrase, in it that of its kind")
+        + (", the frieze group of what is cyclic, and a mark where each cycle begins." if analysis.cycles else ".")
         + (
             " A star: as the first of its kind is seen in a mirror."
             if any(p.mirrored for p in analysis.phrases)
@@ -235,10 +244,22 @@ def _phrases(analysis: Analysis, pictures: Pictures) -> list[str]:
     ]
 
 
+def _kinds(analysis: Analysis) -> int:
+    """How many kinds of phrases there are; those of rests are drawn grey, and have a number all the same."""
+    return 1 + max((p.kind for p in analysis.phrases if p.kind is not None), default=-1)
+
+
 def _cycles(analysis: Analysis) -> list[str]:
     """Nothing where nothing is cyclic."""
     if not analysis.cycles:
         return []
+    several = len(analysis.sources) > 1
+    names = words.source_names(analysis)
+    whose = ["source"] if several else []
+    phrases = [
+        [cells[0], *([names[source]] if several else []), *cells[1:]]
+        for source, cells in words.cycles_of_phrases(analysis)
+    ]
     rows = []
     for cycle in analysis.cycles[:_MOST_ROWS]:
         phrase = analysis.phrases[cycle.phrase]
@@ -246,19 +267,23 @@ def _cycles(analysis: Analysis) -> list[str]:
         rows.append(
             [
                 str(cycle.phrase + 1),
+                *([names[phrase.source]] if several else []),
                 f"{cycle.start / fps:.2f}",
                 f"{cycle.end / fps:.2f}",
                 f"{cycle.period_s:.2f}",
-                "–" if cycle.phase is None else f"{100.0 * cycle.phase:+.1f} %",
+                "–" if cycle.phase is None else f"{round(100.0 * cycle.phase, 1) + 0.0:+.1f} %",
                 _number(cycle.mirror_residual),
             ]
         )
+    first, *rest = words.CYCLES_HEADER
     return [
         "<h2>Cycles</h2>",
-        _table(["phrase", "from (s)", "to (s)", "lasts (s)", "right after left", "left unlike right"], rows),
-        '<p class="small">Right after left: by how much of the cycle the right side comes later than the left one, less the '
-        "half by which alternating sides are apart anyway. Left unlike right: what the mirror image leaves over at that "
-        "phase; 0 is an even movement.</p>",
+        _table([first, *whose, *rest], phrases[:_MOST_ROWS]),
+        '<p class="small">Means and standard deviations over the cycles of each phrase. Right after left: by how much of the '
+        "cycle the right side comes later than the left one, less the half by which alternating sides are apart anyway. Left "
+        "unlike right: what the mirror image leaves over at that phase; 0 is an even movement.</p>",
+        "<h3>One by one</h3>",
+        _table([first, *whose, "from (s)", "to (s)", "lasts (s)", "right after left", "left unlike right"], rows),
         _more(len(analysis.cycles), "cycles.csv"),
     ]
 
@@ -280,7 +305,8 @@ def _motifs(analysis: Analysis, pictures: Pictures) -> list[str]:
                 if len(analysis.sources) > 1
                 else ""
             )
-            + (f"And {left_out} more, in motifs.csv." if left_out > 0 else "")
+            + "Their numbers are those of stretches in motifs.csv"
+            + (f", which has {left_out} more." if left_out > 0 else ".")
             + "</p>",
         ]
     found = [
@@ -498,11 +524,16 @@ def _drawing(svg: bytes, prefix: str, words: str, *, kind: str = "wide") -> str:
     natural = re.search(r'\swidth="([0-9.]+pt)"', head)
     style = f' style="max-width: {natural.group(1)}"' if kind == "natural" and natural else ""
     head = re.sub(r'\s(width|height)="[^"]*"', "", head)
+    named = f'role="img" aria-label="{escape(words)}"'
     if kind == "natural" and natural and float(natural.group(1)[:-2]) > _WIDEST:
-        # made smaller it could not be read: it is moved sideways in its own box
-        style = ' style="overflow-x: auto"'
-        head += f' style="width: {0.85 * float(natural.group(1)[:-2]):.0f}pt"'
-    return f'<figure class="{kind}"{style} role="img" aria-label="{escape(words)}">{head}>{tail}</figure>'
+        # the whole is seen at a glance; what is too small then is made larger on demand, and moved sideways in its own box
+        return (
+            f'<figure class="{kind}" style="--full: {natural.group(1)}">'
+            f'<input class="zoom" type="checkbox" id="{prefix}-zoom"/>'
+            f'<label class="zoom" for="{prefix}-zoom">full size</label>'
+            f'<div class="scaled" {named}>{head}>{tail}</div></figure>'
+        )
+    return f'<figure class="{kind}"{style} {named}>{head}>{tail}</figure>'
 
 
 def _table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

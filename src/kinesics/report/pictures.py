@@ -58,6 +58,8 @@ _KINDS: Final = (
     "#e3c4e0",
 )
 """Of phrases; light enough for black letters."""
+_STROKES: Final = ("//", "\\\\", "..", "||", "--", "oo")
+"""Hatchings of matplotlib that can be told apart, also one over another."""
 _PIXELS: Final = 1200
 """Width of the axes of both similarity pictures: one pixel of the pooled matrices is one pixel of the picture."""
 
@@ -284,30 +286,51 @@ def _borders(ax: Axes, borders: list[float], length: float, *, triangle: bool) -
             ax.axhline(t, color="white", linewidth=0.8)
 
 
+def look_of(kind: int) -> tuple[str, str]:
+    """Colour and hatching of the phrases of a kind, the same for no two: ten colours plain, the ten hatched, and so on."""
+    turn, colour = divmod(kind, len(_KINDS))
+    if not turn:
+        return _KINDS[colour], ""
+    # hatchings and what they make together, as bits of a number; when all were had, denser
+    density, hatching = divmod(turn - 1, 2 ** len(_STROKES) - 1)
+    chosen = [stroke for bit, stroke in enumerate(_STROKES) if (hatching + 1) >> bit & 1]
+    return _KINDS[colour], "".join(chosen) * (density + 1)
+
+
 def _phrases(analysis: Analysis, source: int) -> Figure:
-    """The phrases over time, coloured by kind; a mark where each cycle begins."""
-    figure = new_figure(9.6, 0.95, dpi=100)
-    ax = figure.add_axes((0.085, 0.44, 0.9, 0.5))
+    """The phrases over time, coloured by kind; their numbers above, a mark where each cycle begins."""
+    figure = new_figure(9.6, 1.1, dpi=100)
+    ax = figure.add_axes((0.085, 0.38, 0.9, 0.43))
+    known = analysis.sources[source]
+    pixels = 860.0 / known.duration_s
+    free = -np.inf
     for number, phrase in enumerate(analysis.phrases):
         if phrase.source != source:
             continue
         still = phrase.class_ == "still"
-        colour = "#e6e6e6" if still else _KINDS[(phrase.kind or 0) % len(_KINDS)]
-        ax.axvspan(phrase.start_s, phrase.end_s, color=colour, linewidth=0)
+        colour, hatch = ("#e6e6e6", "") if still else look_of(phrase.kind or 0)
+        ax.axvspan(phrase.start_s, phrase.end_s, facecolor=colour, edgecolor=FAINT, hatch=hatch, linewidth=0)
         ax.axvline(phrase.end_s, color="white", linewidth=1.2)
-        fps = analysis.sources[source].fps
-        begins = [c.start / fps for c in analysis.cycles if c.phrase == number]
+        begins = [c.start / known.fps for c in analysis.cycles if c.phrase == number]
         ax.vlines(begins, 0.0, 0.28, color=INK, linewidth=0.7)
         kind = words.kind(phrase)
-        # there are more kinds than colours: the number first
         told = ["rest"] if still else [f"{kind}  {phrase.group}" if phrase.group else kind, kind]
-        # some 5 pixels a letter
-        room = (phrase.end_s - phrase.start_s) / analysis.sources[source].duration_s * 860 / 7
+        # some 7 pixels a letter
+        room = (phrase.end_s - phrase.start_s) * pixels / 7
         said = next((t for t in told if len(t) < room), None)
+        middle = 0.5 * (phrase.start_s + phrase.end_s)
         if said is not None:
-            middle = 0.5 * (phrase.start_s + phrase.end_s)
-            ax.text(middle, 0.62, said, ha="center", va="center", fontsize=8, color=INK)
-    ax.set_xlim(0.0, analysis.sources[source].duration_s)
+            # strokes through letters would be letters
+            beneath = {"facecolor": colour, "edgecolor": "none", "pad": 1.0} if hatch else None
+            ax.text(middle, 0.62, said, ha="center", va="center", fontsize=8, color=INK, bbox=beneath)
+        above = str(number + 1)
+        wide = 3.5 * len(above) + 1.5
+        if middle * pixels - wide > free:
+            ax.text(middle, 1.06, above, ha="center", va="bottom", fontsize=7, color="#666666")
+            free = middle * pixels + wide
+    for height, row in ((1.14, "phrase"), (0.62, "kind")):
+        ax.text(-0.008, height, row, transform=ax.transAxes, ha="right", va="center", fontsize=7, color="#666666")
+    ax.set_xlim(0.0, known.duration_s)
     ax.set_ylim(0.0, 1.0)
     ax.set_yticks([])
     ax.set_xlabel("time (s)", fontsize=8)

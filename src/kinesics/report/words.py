@@ -181,10 +181,37 @@ def headline(analysis: Analysis, source: int) -> str:
 
 
 def phrase_line(analysis: Analysis, number: int) -> str:
-    """A phrase in a line: when, and what."""
+    """A phrase in a line: its number, from 1 through all recordings, when, and what."""
     phrase = analysis.phrases[number]
     name = f"{phrase.name}: " if phrase.name else ""
-    return f"{phrase.start_s:.1f}-{phrase.end_s:.1f} s  {name}{verdict(phrase)}"
+    return f"{number + 1}. {phrase.start_s:.1f}-{phrase.end_s:.1f} s  {name}{verdict(phrase)}"
+
+
+CYCLES_HEADER: Final = ("phrase", "cycles", "lasts (s)", "right after left", "left unlike right")
+
+
+def cycles_of_phrases(analysis: Analysis) -> list[tuple[int, tuple[str, ...]]]:
+    """The cycles of each phrase in a row: the source, and cells under `CYCLES_HEADER`, means ± standard deviations of a cycle."""
+    rows: list[tuple[int, tuple[str, ...]]] = []
+    for number, phrase in enumerate(analysis.phrases):
+        own = [c for c in analysis.cycles if c.phrase == number]
+        if own:
+            lasts = _spread([c.period_s for c in own], 2)
+            late = _spread([100.0 * c.phase for c in own if c.phase is not None], 1, sign="+", unit=" %")
+            unlike = _spread([c.mirror_residual for c in own if c.mirror_residual is not None], 2)
+            rows.append((phrase.source, (str(number + 1), str(len(own)), lasts, late, unlike)))
+    return rows
+
+
+def _spread(values: Sequence[float], places: int, *, sign: str = "", unit: str = "") -> str:
+    """Mean ± standard deviation."""
+    if not values:
+        return "–"
+    # + 0.0: no minus before a nought
+    said = f"{round(float(np.mean(values)), places) + 0.0:{sign}.{places}f}"
+    if len(values) > 1:
+        said += f" ± {float(np.std(values, ddof=1)):.{places}f}"
+    return said + unit
 
 
 def counted(graph: MotionGraph) -> str:
