@@ -150,6 +150,29 @@ def test_a_contact_sheet_has_a_figure_a_step_and_its_marks(walk: kx.Motion) -> N
     assert figure_bytes(ax.figure, ".png").startswith(b"\x89PNG")
 
 
+@pytest.mark.parametrize("across", [1, 4, 16])
+def test_no_figure_is_cut_off_at_the_edge(across: int) -> None:
+    """Arms stretched wider than a figure's share of the paper, and up beyond a row: all of it is within the picture."""
+    jacks = kx.performer.jumping_jacks(seconds=3, fps=30).motion
+    leaping = jacks.replace(
+        root_positions=jacks.root_positions + np.linspace(0.0, 0.9, jacks.frame_count)[::-1, None] * [0, 1, 0]
+    )
+    for motion in (jacks, leaping):
+        ax = plotting.contact_sheet(motion, every=0.25, across=across, view="front")
+        bones = [np.concatenate(c.get_segments()) for c in ax.collections if isinstance(c, LineCollection)]
+        heads = [
+            a.get_extents().transformed(ax.transData.inverted()).get_points()
+            for a in ax.get_children()
+            if isinstance(a, Ellipse)
+        ]
+        assert len(heads) == len(bones) == 12
+        points = np.concatenate([*bones, *heads])
+        widest = max(np.ptp(b[:, 0]) for b in bones)
+        assert widest > 1.2
+        assert (points.min(axis=0) >= [ax.get_xlim()[0], ax.get_ylim()[0]]).all()
+        assert (points.max(axis=0) <= [ax.get_xlim()[1], ax.get_ylim()[1]]).all()
+
+
 def test_a_long_movement_has_at_most_four_rows() -> None:
     """The step is chosen."""
     motion = kx.performer.walk(seconds=60, fps=10).motion

@@ -6,11 +6,11 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from kinesics.errors import InputError
 from kinesics.plotting import canvas
-from kinesics.plotting.stick_figures import View, compute_strokes, draw_strokes
+from kinesics.plotting.stick_figures import Strokes, View, compute_strokes, draw_strokes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,6 +26,8 @@ _GAP: Final = 0.72
 """Metres of paper between two figures."""
 _ROW: Final = 2.15
 """Metres of paper from floor to floor."""
+_EDGE: Final = 0.04
+"""Metres of paper beyond the outermost figure: half a stroke."""
 _ACROSS: Final = 16
 """Figures in a row, if nothing else is said."""
 _ROWS: Final = 4
@@ -78,17 +80,21 @@ def contact_sheet(
         raise InputError(f"A figure every {step:g} s would make {len(times)} figures; give a larger `every`.")
     rows = -(-len(times) // across)
     columns = min(across, len(times))
-    low, high = (-0.5 * _GAP, -0.42), ((columns - 0.5) * _GAP, rows * _ROW)
+    frames = np.minimum(np.round(times * motion.fps).astype(int), motion.frame_count - 1)
+    strokes = compute_strokes(motion, frames, view=view)
+    ground = float(motion.positions()[:, :, 1].min())
+    spots = np.array([(k % across * _GAP, (rows - 1 - k // across) * _ROW - ground) for k in range(len(times))])
+    # a figure may be wider than its share of the paper, and higher
+    least, most = _extent(strokes, spots)
+    low = (min(-0.5 * _GAP, least[0] - _EDGE), min(-0.42, least[1] - _EDGE))
+    high = (max((columns - 0.5) * _GAP, most[0] + _EDGE), max(rows * _ROW, most[1] + _EDGE))
     if ax is None:
-        width = 0.66 * max(columns, 6) + 0.5
+        width = 0.66 / _GAP * max(high[0] - low[0], 6.0 * _GAP) + 0.5
         height = width * (high[1] - low[1]) / (high[0] - low[0])
         ax = canvas.own_axes(width, height + 0.5, rect=(0.045, 0.02, 0.945, height / (height + 0.5) - 0.02))
     ax.set_xlim(low[0], high[0])
     ax.set_ylim(low[1], high[1])
     ax.set_aspect("equal")
-    frames = np.minimum(np.round(times * motion.fps).astype(int), motion.frame_count - 1)
-    strokes = compute_strokes(motion, frames, view=view)
-    ground = float(motion.positions()[:, :, 1].min())
     metre = canvas.pixel_size(ax)[0] / (high[0] - low[0]) * 72.0 / ax.figure.dpi
     line_width = float(np.clip(0.024 * metre, 0.5, 2.2))
     a_row = across * step
@@ -104,9 +110,8 @@ def contact_sheet(
             if start <= cut < end:
                 _cut(ax, floor, _place(float(cut) - start, step))
         ax.text(low[0] - 0.06, floor, f"{start:g} s", fontsize=8, ha="right", va="center", color=canvas.INK)
-        for k in range(row * across, min((row + 1) * across, len(times))):
-            place = _place(float(times[k]) - start, step)
-            draw_strokes(ax, strokes, k, (place, floor - ground), 1.0, 1.0, line_width)
+    for k, (x, y) in enumerate(spots.tolist()):
+        draw_strokes(ax, strokes, k, (x, y), 1.0, 1.0, line_width)
     ax.set_axis_off()
     said = (
         "Every figure "
@@ -116,6 +121,14 @@ def contact_sheet(
     )
     ax.set_title(said if title is None else f"{title}   ({said})", fontsize=9.5, loc="left", color=canvas.INK)
     return ax
+
+
+def _extent(strokes: Strokes, spots: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The corners of what the figures cover when each stands on its spot, shape (figures, 2): across and up, metres."""
+    points = strokes.segments.reshape(len(spots), -1, 2) + spots[:, None]
+    heads = strokes.head_centres + spots
+    least = np.minimum(points.min(axis=(0, 1)), heads.min(axis=0) - strokes.head_radius)
+    return least, np.maximum(points.max(axis=(0, 1)), heads.max(axis=0) + strokes.head_radius)
 
 
 def _place(seconds: float, step: float) -> float:
