@@ -171,6 +171,10 @@ def test_no_figure_is_cut_off_at_the_edge(across: int) -> None:
         assert widest > 1.2
         assert (points.min(axis=0) >= [ax.get_xlim()[0], ax.get_ylim()[0]]).all()
         assert (points.max(axis=0) <= [ax.get_xlim()[1], ax.get_ylim()[1]]).all()
+        figure = ax.get_figure(root=True)
+        assert figure is not None
+        figure.canvas.draw()
+        assert min(t.get_window_extent().x0 for t in ax.texts) > 0.0
 
 
 def test_a_long_movement_has_at_most_four_rows() -> None:

@@ -89,9 +89,11 @@ def contact_sheet(
     low = (min(-0.5 * _GAP, least[0] - _EDGE), min(-0.42, least[1] - _EDGE))
     high = (max((columns - 0.5) * _GAP, most[0] + _EDGE), max(rows * _ROW, most[1] + _EDGE))
     if ax is None:
-        width = 0.66 / _GAP * max(high[0] - low[0], 6.0 * _GAP) + 0.5
+        width = 0.66 / _GAP * max(high[0] - low[0], 6.0 * _GAP)
         height = width * (high[1] - low[1]) / (high[0] - low[0])
-        ax = canvas.own_axes(width, height + 0.5, rect=(0.045, 0.02, 0.945, height / (height + 0.5) - 0.02))
+        # inches to the left for the times, above for the title
+        paper = (width + 0.65, height + 0.5)
+        ax = canvas.own_axes(*paper, rect=(0.55 / paper[0], 0.05 / paper[1], width / paper[0], height / paper[1]))
     ax.set_xlim(low[0], high[0])
     ax.set_ylim(low[1], high[1])
     ax.set_aspect("equal")
