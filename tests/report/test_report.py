@@ -349,6 +349,8 @@ def test_a_number_of_a_phrase_finds_it_everywhere(tmp_path: Path) -> None:
         (p, of[p]["recording"], str(sum(c["phrase"] == p for c in cycles)))
         for p in dict.fromkeys(c["phrase"] for c in cycles)
     ]
+    # a sentence about a recording keeps its name
+    assert "<li>limp: " in (tmp_path / "two" / "report.html").read_text(encoding="utf-8")
     _, *single = _cells(tmp_path / "two", "One by one")
     assert [r[:3] for r in single] == [[c["phrase"], c["recording"], f"{float(c['start_s']):.2f}"] for c in cycles]
     bars = [t.get_text() for t in pictures._phrases(analysis, 1).axes[0].texts]

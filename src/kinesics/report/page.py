@@ -166,10 +166,16 @@ def _what_it_is(analysis: Analysis) -> list[str]:
         parts.append(f"<p>{escape(said)}</p>")
         parts.extend(f"<p>{escape(said[0].upper() + said[1:])}.</p>" for said in map(words.reason, judged.reasons))
         parts.append(_residuals(judged))
-    noteworthy = "".join(f"<li>{escape(s[0].upper() + s[1:])}.</li>" for s in words.surprises(analysis))
+    noteworthy = "".join(f"<li>{escape(_sentence(s, analysis))}.</li>" for s in words.surprises(analysis))
     if noteworthy:
         parts.append(f"<h3>Noteworthy</h3><ul>{noteworthy}</ul>")
     return parts
+
+
+def _sentence(said: str, analysis: Analysis) -> str:
+    """With a capital letter, unless it begins with the name of a recording."""
+    names = words.source_names(analysis) if len(analysis.sources) > 1 else ()
+    return said if said.startswith(tuple(f"{name}: " for name in names)) else said[0].upper() + said[1:]
 
 
 def _residuals(judged: Overall) -> str:
