@@ -276,6 +276,13 @@ def test_a_graph_of_other_recordings_is_refused(both: Network) -> None:
         labelled(both, _graph(100))
 
 
+def test_a_larger_threshold_does_not_leave_less(shared_data: Path) -> None:
+    """More may go over into more: of real exercises hardly a moment is lost that a smaller threshold would have joined."""
+    exercises = repertoire(kx.read(shared_data / "cmu" / "14" / "14_06.amc").resample(30.0))
+    seconds = [network(exercises, threshold=most).seconds for most in (None, 0.03, 0.08)]
+    assert min(seconds[1:]) > 0.98 * seconds[0]
+
+
 def test_real_walks_make_one_network(shared_data: Path) -> None:
     """Walks of four people, mirrored too, are joined and nearly wholly kept."""
     clips = [kx.read(shared_data / "cmu" / name[:2] / f"{name}.amc") for name in ("91_01", "91_34", "07_01", "35_01")]

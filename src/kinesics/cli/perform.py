@@ -347,7 +347,13 @@ def _summarize(piece: Piece) -> None:
         have = lost + piece.network.seconds
         console.print(
             f"  [dim]not used, for no way leads there or back: {lost / have:.0%} of what was recorded"
-            f"{' or mirrored' if piece.parameters['mirrored'] else ''}[/dim]"
+            f"{' or mirrored' if piece.parameters['mirrored'] else ''}"
+            + (
+                f"; a larger --threshold than {piece.network.threshold:.2g}, or more recordings like it, may join it"
+                if lost > 0.5 * have
+                else ""
+            )
+            + "[/dim]"
         )
     for line in motion.assumptions:
         if line.startswith(("performed ", "favoured ")) or ": used once" in line:

@@ -27,8 +27,8 @@ nor larger than the median over all pairs of such moments, which in quick small 
 sways (`kinesics.analysis.stillness.EPSILON`).
 
 **Stillness.** In quiet standing everything is near everything. Each recording is therefore divided into *steps*, in which the
-pose goes half of the threshold and which last .1 s at least and 1 s at most; of two steps only the nearest pair is kept, and a
-step has one seam.
+pose goes half of the threshold (of that found, if a larger one is given, which would else leave fewer seams) and which last .1 s
+at least and 1 s at most; of two steps only the nearest pair is kept, and a step has one seam.
 
 References
 ----------
@@ -117,6 +117,8 @@ class Limits:
     """Mean D over the window."""
     rule: str
     """How ``distance`` was found."""
+    found: float
+    """What it is if it is not given, infinite where nothing moves."""
     pose_velocity: float
     """Of the pose where it is slow, √(2D)/s."""
     velocity: float
@@ -247,7 +249,7 @@ class _Seams:
         index = np.arange(self.frames)
         self.inside: Mask = (index - self.half >= first) & (index + self.half <= end)
         self.step = max(1, round(self.fps / SEARCH_RATE))
-        self.cell = _steps(repertoire, 0.5 * float(chord(limits.distance)), weights, spacing)
+        self.cell = _steps(repertoire, 0.5 * float(chord(min(limits.distance, limits.found))), weights, spacing)
         before, after = np.maximum(index - self.half, first), np.minimum(index + self.half, end) - 1
         seconds = np.maximum(after - before, 1) / self.fps
         self.pose_velocity = [_pose_velocity(q[before], q[after], weights, seconds) for q in self.quaternions]
@@ -371,15 +373,14 @@ def _limits(repertoire: Repertoire, threshold: float | None, weights: Array) -> 
     q = repertoire.poses.quaternions
     covered = chord(paired_distance(q[early], q[early + lag], weights)) if len(early) else np.zeros(0)
     moving = covered > _still(repertoire, weights)
-    if threshold is not None:
-        allowed, rule = float(threshold), "given"
-    elif not moving.any():
+    if not moving.any() and threshold is None:
         raise InputError(
             f"Nothing can be performed: in {_listed(repertoire.names)} the body holds one pose, or moves for less than "
             f"{BLEND:g} s. Give recordings in which it moves; or, to perform stillness, `threshold` (mean D, about "
             f"{0.5 * EPSILON**2:.1g})."
         )
-    else:
+    allowed, rule = np.inf, ""
+    if moving.any():
         own = float(np.median(covered[moving]))
         samples = early[moving][np.linspace(0, np.count_nonzero(moving) - 1, _SAMPLES).astype(np.intp)]
         typical = float(np.median(chord(distance(q[samples], q[samples], weights))))
@@ -390,6 +391,9 @@ def _limits(repertoire: Repertoire, threshold: float | None, weights: Array) -> 
         if min(own, typical) < EPSILON:
             why = "as much as a body at rest sways"
         rule = f"√(2D) of {chord(allowed):.3f}: {why}"
+    found = allowed
+    if threshold is not None:
+        allowed, rule = float(threshold), "given"
     early = early[moving] if moving.any() else early
     roots = repertoire.roots_of(index)
     yaw = np.unwrap(repertoire.yaw_of(index))
@@ -418,6 +422,7 @@ def _limits(repertoire: Repertoire, threshold: float | None, weights: Array) -> 
     return Limits(
         distance=allowed,
         rule=rule,
+        found=found,
         pose_velocity=max(SLOW * bends, 0.5 * EPSILON / BLEND),
         velocity=change(travel, whole, _LEAST_VELOCITY),
         turn=change(turning, whole, _LEAST_TURN),
