@@ -11,14 +11,15 @@ from numpy.typing import NDArray
 
 from kinesics.grammar import notation
 from kinesics.grammar.graph import State
-from kinesics.plotting.graph_layout import widest_gap
+from kinesics.plotting.graph_layout import gaps
+from kinesics.plotting.graph_ways import RIM, SAMPLES, Ways
 
 Array = NDArray[np.float64]
 
 _BOW: Final = 0.26
 """Cells between parallel arrows."""
-_SAMPLES: Final = 48
-"""Points of a curve."""
+_LOOP_SIZES: Final = (1.0, 0.8, 0.6)
+_MIRROR: Final = np.array([-1.0, 1.0])
 
 
 @dataclass(frozen=True)
@@ -56,36 +57,76 @@ def orbit_of(state: State) -> int:
 def curves_of(
     states: Sequence[State], arrows: Sequence[Arrow], where: Mapping[int, Array], radius: float
 ) -> list[Curve]:
-    """All arrows laid out between states that stand at ``where``, by id, and are ``radius`` large."""
+    """All arrows laid out between states that stand at ``where``, by id, a cell apart, and are ``radius`` large.
+
+    No arrow runs through a state that it does not join. The arrows of a pair of states are mirror images of those of the mirrored
+    pair, if those are as many; between states on the axis the starred ones are images of the others.
+    """
+    everyone = np.array(list(where.values())).reshape(-1, 2)
+    ways = Ways(everyone, radius)
+    curves = _joining(states, arrows, where, ways)
+    known: dict[int, list[Array]] = {}
+    for state in states:
+        loops = sorted((a for a in arrows if a.from_ == a.to == state.id), key=lambda m: m.index)
+        here = where[state.id]
+        drawn = [points * _MIRROR for points in known.get(_image(state), [])]
+        if len(drawn) != len(loops) or any(ways.hits(points, [here]) for points in drawn):
+            angles = directions_at(curves, state.id, here, everyone, radius)
+            drawn = []
+            for _ in loops:
+                angle, points = _free_loop(here, angles, {-1: np.pi, 1: 0.0, 0: 0.5 * np.pi}[side_of(state)], ways)
+                angles += [angle - 0.5, angle, angle + 0.5]
+                drawn.append(points)
+        known[state.id] = drawn
+        curves += [Curve(loop, points) for loop, points in zip(loops, drawn, strict=True)]
+    return curves
+
+
+def _joining(states: Sequence[State], arrows: Sequence[Arrow], where: Mapping[int, Array], ways: Ways) -> list[Curve]:
+    """The arrows between two states, the shortest first: they have the least choice."""
     rank = {s.id: (orbit_of(s), side_of(s)) for s in states}
+    image = {s.id: _image(s) for s in states}
     groups: dict[tuple[int, int], list[Arrow]] = {}
     for arrow in arrows:
         first, second = sorted((arrow.from_, arrow.to), key=lambda s: rank[s])
-        groups.setdefault((first, second), []).append(arrow)
-    everyone = np.array(list(where.values())).reshape(-1, 2)
+        if first != second:
+            groups.setdefault((first, second), []).append(arrow)
+
+    def length(pair: tuple[int, int]) -> float:
+        return round(float(np.hypot(*(where[pair[0]] - where[pair[1]]))), 6)
+
+    laid: dict[tuple[int, int], list[Array]] = {}
     curves: list[Curve] = []
-    for (first, second), members in groups.items():
-        if first == second:
-            continue
+    for first, second in sorted(groups, key=lambda pair: (length(pair), rank[pair[0]], rank[pair[1]])):
+        members = groups[first, second]
         a, b = where[first], where[second]
-        normal = _normal(a, b)
-        members.sort(key=lambda m: (_order(m), rank[m.from_], m.index, m.starred))
-        offsets = _offsets(members, central=bool(a[0] == 0.0 and b[0] == 0.0))
-        others = everyone[[not (np.array_equal(p, a) or np.array_equal(p, b)) for p in everyone]]
-        bows = _way_round(a, b, normal, others, offsets, radius)
-        for member, bow in zip(members, bows, strict=True):
-            curve = _bowed(a, b, normal * bow, radius)
-            curves.append(Curve(member, curve if member.from_ == first else curve[::-1]))
-    for state in states:
-        loops = groups.get((state.id, state.id), [])
-        here = where[state.id]
-        angles = directions_at(curves, state.id, here, everyone, radius)
-        preferred = {-1: np.pi, 1: 0.0, 0: 0.5 * np.pi}[side_of(state)]
-        for loop in sorted(loops, key=lambda m: m.index):
-            angle = widest_gap(angles, preferred)
-            angles += [angle - 0.5, angle, angle + 0.5]
-            curves.append(Curve(loop, _loop(here, angle, radius)))
+        central = bool(a[0] == 0.0 and b[0] == 0.0)
+        twin = (image[first], image[second])
+        if central or image[first] == second:
+            members.sort(key=lambda m: (_order(m), rank[m.from_], m.index, m.starred))
+        else:
+            # the same order for the mirror images
+            members.sort(key=lambda m: (rank[m.from_][0], len(m.label.strip("()*")), m.label.strip("()*"), m.index))
+        if len(laid.get(twin, [])) == len(members):
+            drawn = [points * _MIRROR for points in laid[twin]]
+            ways.lay(drawn)
+        else:
+            kinds = [_order(m) for m in members]
+            paired = central and kinds.count(-1) == kinds.count(1) > 0
+            symmetric = paired or (twin != (first, second) and len(groups.get(twin, [])) == len(members))
+            offsets = _offsets(members, central=central)
+            drawn = ways.bundle(a, b, _normal(a, b), offsets, symmetric=symmetric, paired=paired)
+        laid[first, second] = drawn
+        curves += [
+            Curve(member, points if member.from_ == first else points[::-1])
+            for member, points in zip(members, drawn, strict=True)
+        ]
     return curves
+
+
+def _image(state: State) -> int:
+    """The id of the mirror image; −1 for none."""
+    return state.id if state.symmetric else -1 if state.mirror_of is None else state.mirror_of
 
 
 def _order(arrow: Arrow) -> int:
@@ -121,55 +162,31 @@ def _offsets(members: Sequence[Arrow], *, central: bool) -> list[float]:
     return out
 
 
-def _way_round(
-    a: Array, b: Array, normal: Array, others: Array, offsets: Sequence[float], radius: float
-) -> list[float]:
-    """How far each arrow of a bundle bows to pass the states between: all on one side, or some on either."""
-    if not len(others):
-        return list(offsets)
-    length = float(np.linalg.norm(b - a))
-    step = max(0.3, 0.16 * length) * (-1.0 if a[0] == b[0] == 0.0 else 1.0)
-    together = [
-        [base + o for o in offsets] for base in step * np.array([0.0, 0.6, -0.6, 1, -1, 1.5, -1.5, 2.1, -2.1, 3, -3])
-    ]
-    apart = [[o + float(np.sign(o)) * base for o in offsets] for base in abs(step) * np.array([0.6, 1.0, 1.5, 2.1])]
-    best, least = list(offsets), np.inf
-    for bows in [*together, *(apart if len(offsets) > 1 else [])]:
-        hits = 0.0
-        for bow in bows:
-            curve = _bowed(a, b, normal * bow, 0.0)
-            near = np.hypot(*np.moveaxis(others[:, None] - curve[None], -1, 0)).min(axis=1)
-            hits += float((near < radius + 0.06).sum()) + 0.4 * float((near < radius + 0.15).sum())
-        cost = hits + 0.25 * max(abs(bow) for bow in bows) / max(length, 1.0)
-        if cost < least - 1e-9:
-            best, least = bows, cost
-    return best
+def _free_loop(here: Array, angles: Sequence[float], preferred: float, ways: Ways) -> tuple[float, Array]:
+    """A loop where there is room for it, smaller where there is little: its direction and points."""
+    tried: list[tuple[float, Array]] = []
+    for size in _LOOP_SIZES:
+        for angle in gaps(angles, preferred):
+            points = _loop(here, angle, ways.radius, size)
+            if not ways.hits(points, [here]):
+                return angle, points
+            tried.append((angle, points))
+    return min(tried, key=lambda t: ways.hits(t[1], [here]))
 
 
-def _bowed(a: Array, b: Array, apex: Array, radius: float) -> Array:
-    """A quadratic Bézier curve whose middle is ``apex`` away from the straight line, cut at the rims."""
-    t = np.linspace(0.0, 1.0, 4 * _SAMPLES)[:, None]
-    control = 0.5 * (a + b) + 2.0 * apex
-    curve = (1 - t) ** 2 * a + 2 * t * (1 - t) * control + t**2 * b
-    rim = radius * 1.08
-    outside = (np.hypot(*(curve - a).T) >= rim) & (np.hypot(*(curve - b).T) >= rim)
-    kept = curve[outside]
-    return np.asarray(kept[np.linspace(0, len(kept) - 1, _SAMPLES).astype(np.intp)])
-
-
-def _loop(centre: Array, angle: float, radius: float) -> Array:
+def _loop(centre: Array, angle: float, radius: float, size: float) -> Array:
     """A cubic Bézier curve that leaves a state and comes back."""
-    spread, reach = 0.5, radius + (0.62 if radius < 0.25 else 0.5)
+    spread, reach = 0.5, radius + (0.62 if radius < 0.25 else 0.5) * size
     points = [
         centre + r * np.array([np.cos(angle + s), np.sin(angle + s)])
         for r, s in (
-            (radius * 1.08, spread),
+            (radius * RIM, spread),
             (reach, spread * 1.05),
             (reach, -spread * 1.05),
-            (radius * 1.08, -spread),
+            (radius * RIM, -spread),
         )
     ]
-    t = np.linspace(0.0, 1.0, _SAMPLES)[:, None]
+    t = np.linspace(0.0, 1.0, SAMPLES)[:, None]
     weights = ((1 - t) ** 3, 3 * t * (1 - t) ** 2, 3 * t**2 * (1 - t), t**3)
     return np.asarray(sum(w * p for w, p in zip(weights, points, strict=True)))
 

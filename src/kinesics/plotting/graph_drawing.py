@@ -1,7 +1,7 @@
 """The motion graph on paper, in the composite layout of [Schultz2012] §3.5-3.6 (Figures 64-71).
 
 Symmetric states stand on the central vertical axis, A left and A* right of it. Where the states stand is found in
-`kinesics.plotting.graph_layout`, how the arrows run in `kinesics.plotting.graph_curves`.
+`kinesics.plotting.graph_layout`, how the arrows run in `kinesics.plotting.graph_curves` and `graph_ways`.
 """
 
 from __future__ import annotations
@@ -227,7 +227,9 @@ def _draw_labels(
     plain = plain_labels([c.arrow.label for c in curves])
     lines = [c.points for c in curves]
     boxes = list(named)
-    for number, curve in enumerate(curves):
+    # the short ones first: they have the least choice
+    for number in np.argsort([round(float(np.hypot(*np.diff(p, axis=0).T).sum()), 6) for p in lines], kind="stable"):
+        curve = curves[number]
         index = curve.arrow.label not in plain
         text = label_text(curve.arrow.label, index=index)
         half = half_size(text, size / cell)
@@ -237,8 +239,9 @@ def _draw_labels(
             cost += float(_inside(points, spot, (half[0] + 0.85 * radius, half[1] + 0.85 * radius)).sum())
             cost += 0.12 * min(float(_inside(others, spot, half).sum()), 8.0)
             for centre, size_there in boxes:
-                both = (half[0] + size_there[0], half[1] + size_there[1])
+                both = np.add(half, size_there)
                 cost += 3.0 * float(_inside(centre[None], spot, both).sum())
+                cost += 0.4 * float(_inside(centre[None], spot, 1.2 * both).sum())
             if cost < least:
                 best, least = spot, cost
         boxes.append((best, half))
@@ -272,7 +275,7 @@ def _label_places(curve: Curve, half: tuple[float, float], head: float) -> list[
         return [(apex + outward * (reach + 0.03), 0.0)]
     length = float(np.hypot(*np.diff(points, axis=0).T).sum()) - head * (1 + curve.arrow.both_ways)
     out: list[tuple[Array, float]] = []
-    for at in (0.5, 0.42, 0.58, 0.34, 0.66, 0.27, 0.73):
+    for at in (0.5, 0.46, 0.54, 0.42, 0.58, 0.38, 0.62, 0.34, 0.66, 0.3, 0.7, 0.26, 0.74, 0.2, 0.8):
         k = round(at * (count - 1))
         along = points[min(k + 2, count - 1)] - points[max(k - 2, 0)]
         along = along / max(float(np.linalg.norm(along)), 1e-9)
@@ -290,5 +293,5 @@ def _label_places(curve: Curve, half: tuple[float, float], head: float) -> list[
     return out
 
 
-def _inside(points: Array, centre: Array, half: tuple[float, float]) -> NDArray[np.bool_]:
+def _inside(points: Array, centre: Array, half: tuple[float, float] | Array) -> NDArray[np.bool_]:
     return np.asarray((np.abs(points - centre) < np.asarray(half)).all(axis=1))

@@ -219,9 +219,15 @@ def _covered(points: Array, starts: Array, ends: Array) -> NDArray[np.bool_]:
 
 def widest_gap(angles: Sequence[float], preferred: float) -> float:
     """The direction farthest from all ``angles`` (radians), the one nearest ``preferred`` among equally good ones."""
+    return gaps(angles, preferred)[0] if angles else float(preferred)
+
+
+def gaps(angles: Sequence[float], preferred: float) -> list[float]:
+    """Directions all around, those first that are farther from all ``angles`` and nearer to ``preferred`` (radians)."""
     candidates = preferred + np.arange(24) * (2 * np.pi / 24)
-    if not angles:
-        return float(preferred)
-    apart = np.abs((candidates[:, None] - np.asarray(angles)[None] + np.pi) % (2 * np.pi) - np.pi).min(axis=1)
     off = np.abs((candidates - preferred + np.pi) % (2 * np.pi) - np.pi)
-    return float(candidates[int(np.argmax(np.minimum(apart, 1.2) - 0.12 * off))])
+    apart = np.full(24, 1.2)
+    if angles:
+        apart = np.abs((candidates[:, None] - np.asarray(angles)[None] + np.pi) % (2 * np.pi) - np.pi).min(axis=1)
+    order = np.argsort(-(np.minimum(apart, 1.2) - 0.12 * off), kind="stable")
+    return [float(v) for v in candidates[order]]
