@@ -322,6 +322,19 @@ def test_what_was_left_out_and_missed_is_said(kinesics: Kinesics, circle: Path, 
     assert "did not reach (-30.00, -2.00)" in got.out
 
 
+def test_where_most_is_left_out_it_is_said_what_may_join_it(kinesics: Kinesics, circle: Path, tmp_path: Path) -> None:
+    """The share, and the threshold to go beyond; nothing of the kind where all but the ends is used."""
+    for name, perform in (("jacks", kx.performer.jumping_jacks), ("squats", kx.performer.squat)):
+        kx.write(perform(seconds=7, fps=30).motion, tmp_path / f"{name}.bvh")
+    got = kinesics("perform", circle, "jacks.bvh", "squats.bvh", "--out", "new.bvh", "--seconds", "1")
+    assert got.code == 0, got.err
+    told = " ".join(got.out.split())
+    assert "a larger --threshold than 0." in told
+    assert "may join it" in told
+    alone = kinesics("perform", circle, "--out", "alone.bvh", "--seconds", "1")
+    assert "may join it" not in " ".join(alone.out.split())
+
+
 def test_the_body_of_another_recording(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
     """--skeleton-of decides who moves, --fps how often."""
     kx.write(kx.performer.walk(seconds=3, fps=30, body=1.4).motion, tmp_path / "small.bvh")
