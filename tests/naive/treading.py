@@ -7,7 +7,39 @@ import numpy as np
 from kinesics.body import kinematics
 from kinesics.geometry import quaternion
 from kinesics.synthesis import inverse_kinematics
-from kinesics.synthesis.stage import LIFT, RANGE_TOLERANCE, RELEASE, SINK, SOFTLY, SUNK, bearing, held_around, shortfall
+from kinesics.synthesis.stage import (
+    LEAST_TURNING,
+    LIFT,
+    RANGE_TOLERANCE,
+    RELEASE,
+    SINK,
+    SOFTLY,
+    SUNK,
+    bearing,
+    held_around,
+    shortfall,
+)
+
+
+class Follower:
+    """Goes after a point, never accelerated by more than ``most``."""
+
+    def __init__(self, most: float, dt: float) -> None:
+        self.most, self.dt, self.aim = most, dt, None
+
+    def follow(self, aim: np.ndarray) -> np.ndarray:
+        """Its place."""
+        if self.aim is None:
+            self.aim, self.at, self.velocity = aim, aim, np.zeros(3)
+            return aim
+        behind = self.aim - self.at
+        far, brake = np.linalg.norm(behind), 0.5 * self.most
+        speed = min(far / self.dt, np.sqrt((0.5 * brake * self.dt) ** 2 + 2.0 * brake * far) - 0.5 * brake * self.dt)
+        wanted = (aim - self.aim) / self.dt + (behind / far * speed if far > 1e-12 else 0.0)
+        change = wanted - self.velocity
+        self.velocity = self.velocity + change * min(1.0, self.most * self.dt / max(np.linalg.norm(change), 1e-300))
+        self.at, self.aim = self.at + self.velocity * self.dt, aim
+        return self.at
 
 
 class Treading:
@@ -20,6 +52,9 @@ class Treading:
         self.soles = None
         self.drop = 0.0
         self.slips = 0
+        dt = 1.0 / stage.repertoire.fps
+        self.turned = {j: Follower(max(stage.accelerations[j], LEAST_TURNING), dt) for j in self.joints}
+        self.body, self.raised = Follower(2.0 * stage.usual.body, dt), Follower(2.0 * stage.usual.body, dt)
 
     def around(self, frame: int, image: int, seconds: float) -> np.ndarray:
         """How firmly each foot is held in a frame."""
@@ -50,13 +85,20 @@ class Treading:
         height, lowest = soles[..., 1] - stage.levels, soles[..., 1].min(axis=1)
         if self.soles is None:
             self.hold, self.lift, self.shift, self.lean = held, -near * lowest, np.zeros((2, 2)), np.zeros(2)
+            self.drawn, self.bears = np.zeros((2, 2)), np.zeros(2)
         else:
             self.hold = np.clip(held, self.hold - dt / RELEASE, self.hold + dt / 0.03)
             share = bearing(0.5 * (height + self.height))
             slid = (share[..., None] * (soles - self.soles)[..., [0, 2]]).sum(axis=1)
             back = (1.0 - self.hold) * eased(0.12)
-            self.shift = self.shift - self.hold[:, None] * slid - back[:, None] * self.shift
+            still = self.hold / (1.0 + (np.linalg.norm(slid, axis=1) / dt) ** 4)
+            drawn = still[:, None] * slid + back[:, None] * self.shift
+            for k in (0, 1):
+                leap = drawn[k] - self.drawn[k]
+                self.drawn[k] += leap * min(1.0, 60.0 * dt**2 / max(np.linalg.norm(leap), 1e-300))
+            self.shift = self.shift - self.drawn
         self.soles, self.height = soles, height
+        self.bears = self.bears + eased(0.1) * (self.hold - self.bears)
         self.lift = self.lift + eased(SOFTLY) * (-near * lowest - self.lift)
         lift = np.maximum(self.lift, -lowest - SUNK)
         grip = self.hold.sum() + 0.05
@@ -65,21 +107,62 @@ class Treading:
         leant = np.array([self.lean[0], 0.0, self.lean[1]])
         need = (shortfall(stage, (positions + leant)[None], targets[None])[0] * self.hold).max()
         self.drop += eased(0.25 * SINK if need > self.drop else SINK) * (need - self.drop)
-        root = root + leant - [0.0, self.drop, 0.0]
-        done = inverse_kinematics.reach(
-            stage.repertoire.skeleton, rotations[None], root[None], targets[None], limbs=self.legs
-        )
-        rotations = done.rotations[0]
-        middle = stage.middle[self.joints]
-        vectors = quaternion.as_rotvec(quaternion.multiply(quaternion.conjugate(middle), rotations[self.joints]))
-        low, high = stage.low[self.joints] - RANGE_TOLERANCE, stage.high[self.joints] + RANGE_TOLERANCE
-        inside = np.clip(vectors, low, high)
-        if np.abs(inside - vectors).max() < 1e-9:
-            return rotations, root
-        self.slips += 1
-        rotations[self.joints] = quaternion.multiply(middle, quaternion.from_rotvec(inside))
+        shift = self.body.follow(leant - [0.0, self.drop, 0.0])
+        root = root + shift
+        # how far legs are bent: those that swing are not stretched
+        near_targets = targets.copy()
+        for k in (0, 1):
+            hip, ankle = positions[self.legs.femurs[k]], positions[self.legs.feet[k]]
+            now, away = np.linalg.norm(ankle - hip), targets[k] - hip - shift
+            asked = np.linalg.norm(away)
+            if asked > now:
+                near_targets[k] = hip + shift + away / asked * (now + self.bears[k] * (asked - now))
+        skeleton = stage.repertoire.skeleton
+        wanted = inverse_kinematics.reach(
+            skeleton, rotations[None], root[None], near_targets[None], limbs=self.legs
+        ).rotations[0]
+        feet = kinematics.forward(skeleton, rotations[None], root[None]).rotations[0, list(self.legs.feet)]
+        rotations = rotations.copy()
+        for joint in self.legs.tibias:
+            self.toward(rotations, joint, wanted[joint])
+        positions, _ = self.placed(rotations, root)
+        for k, joint in enumerate(self.legs.femurs):
+            hip, ankle = positions[joint], positions[self.legs.feet[k]]
+            swing = inverse_kinematics._between((ankle - hip)[None], (targets[k] - hip)[None])[0]
+            above, own = self.worlds(rotations, root, joint)
+            self.toward(rotations, joint, seen_from(above, quaternion.multiply(swing, own)))
+        for joint, kept in zip(self.legs.feet, feet, strict=True):
+            above, _ = self.worlds(rotations, root, joint)
+            self.toward(rotations, joint, seen_from(above, kept))
         positions, soles = self.placed(rotations, root)
         off = (targets - positions[list(self.legs.feet)])[:, [0, 2]]
-        self.shift = self.shift - 0.3 * off
-        self.lean = self.lean + 0.3 * self.hold @ off / grip
-        return rotations, root + np.array([0.0, max(-soles[..., 1].min() - SUNK, 0.0), 0.0])
+        self.slips += int(np.abs(off).max() > 1e-6)
+        self.shift = self.shift - eased(0.1) * off
+        self.lean = self.lean + eased(0.1) * (self.hold @ off) / grip
+        under = -soles[..., 1].min()
+        raised = self.raised.follow(np.array([0.0, max(under - SUNK, 0.0), 0.0]))[1]
+        return rotations, root + np.array([0.0, max(raised, under - 0.009), 0.0])
+
+    def worlds(self, rotations: np.ndarray, root: np.ndarray, joint: int) -> tuple[np.ndarray, np.ndarray]:
+        """Orientations of a joint's parent and of the joint in the world."""
+        skeleton = self.stage.repertoire.skeleton
+        world = kinematics.forward(skeleton, rotations[None], root[None]).rotations[0]
+        return world[skeleton.parents[joint]], world[joint]
+
+    def inside(self, joint: int, q: np.ndarray) -> np.ndarray:
+        """The rotation of a joint within its range."""
+        stage = self.stage
+        vector = quaternion.as_rotvec(seen_from(stage.middle[joint], q))
+        held = np.clip(vector, stage.low[joint] - RANGE_TOLERANCE, stage.high[joint] + RANGE_TOLERANCE)
+        return quaternion.multiply(stage.middle[joint], quaternion.from_rotvec(held))
+
+    def toward(self, rotations: np.ndarray, joint: int, wanted: np.ndarray) -> None:
+        """Turn a joint as far as it goes in one frame to the rotation wanted."""
+        turn = quaternion.as_rotvec(seen_from(rotations[joint], self.inside(joint, wanted)))
+        turned = quaternion.multiply(rotations[joint], quaternion.from_rotvec(self.turned[joint].follow(turn)))
+        rotations[joint] = self.inside(joint, turned)
+
+
+def seen_from(above: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """The rotation q as seen from another."""
+    return quaternion.multiply(quaternion.conjugate(above), q)

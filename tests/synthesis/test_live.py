@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -111,6 +112,24 @@ def test_bent_ways_are_those_of_the_whole(made: Network, rng: np.random.Generato
             next(LiveRenderer(made, [wrong]))
 
 
+@pytest.mark.parametrize("wrong", [["a"], [(0, "x")], [(0, None)], [1.7], [None], [(1.7, 0.0)], ["ab"], [[0, 0.1]]])
+def test_what_is_no_path_is_refused(made: Network, wrong: list) -> None:
+    """A path is a whole number, its bend a finite one."""
+    with pytest.raises(InputError, match="number of a path"):
+        next(LiveRenderer(made, wrong))
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"heading": "x"}, {"heading": None}, {"heading": [0.0, 1.0]}, {"start": "ab"}, {"start": ("a", 0.0)}]
+)
+def test_what_is_no_place_or_heading_is_refused(made: Network, wrong: dict) -> None:
+    """Before the first frame."""
+    with pytest.raises(InputError, match=r"`start`.*`heading`"):
+        LiveRenderer(made, [0], **wrong)
+    with pytest.raises(InputError, match="`paths`"):
+        LiveRenderer(made, 3)
+
+
 def test_comes_where_the_controller_goes(made: Network) -> None:
     """Decision by decision, place and heading are those that the controller reckons with; its bends are over metres, ours over
     frames."""
@@ -129,3 +148,47 @@ def test_comes_where_the_controller_goes(made: Network) -> None:
         renderer.step()
     assert len(steps) > 10
     assert max(abs(step.turned) for step in steps) > 0.01
+
+
+def pushes(motion: kx.Motion, joints: list[int]) -> np.ndarray:
+    """Accelerations of the joints' places, m/s², shape (frames − 2, joints)."""
+    return np.linalg.norm(np.diff(motion.positions()[:, joints], n=2, axis=0), axis=-1) * motion.fps**2
+
+
+def sent_about(made: Network, seed: int, seconds: float) -> kx.Motion:
+    """Performed live, sent elsewhere every five seconds."""
+    own = made.repertoire
+    controller = Controller(made, Target((2.0, 4.0)), seed=seed)
+    live = LiveRenderer(made, ((step.path, step.turned) for step in iter(controller.step, None)))
+    frames = []
+    for k in range(round(seconds * own.fps)):
+        if k and k % round(5 * own.fps) == 0:
+            controller.pursue(Target(((-3.0) ** (k % 2), 4.0 - k / own.fps)))
+        frames.append(next(live))
+    rotations, roots = np.stack([f.rotations for f in frames]), np.stack([f.root for f in frames])
+    return kx.Motion(own.skeleton, rotations, roots, own.fps)
+
+
+def snaps(made: Network, seed: int, seconds: float) -> tuple[float, float]:
+    """Greatest accelerations live as shares of the recordings' own: of pelvis, hips and knees; of those and the ankles."""
+    own, stage = made.repertoire, Stage.of(made.repertoire)
+    joints = [0, *stage.legs.femurs, *stage.legs.tibias, *stage.legs.feet]
+    live = pushes(sent_about(made, seed, seconds), joints)
+    recorded = np.concatenate([pushes(own.motion(k), joints) for k in range(own.recording_count)])
+    return float(live[:, :5].max() / recorded[:, :5].max()), float(live.max() / recorded.max())
+
+
+def test_knees_do_not_snap() -> None:
+    """Sent about at 60 frames a second, knees are accelerated hardly more than in the walk that it is made of."""
+    walk = kx.performer.walk(seconds=8, fps=60, noise_degrees=0.5, noise_kind="smooth", route="circle", seed=5).motion
+    knees, _ = snaps(network(repertoire([walk])), 1, 15.0)
+    assert knees < 1.4
+
+
+@pytest.mark.parametrize("names", [["35_01"], ["91_34", "35_01"]])
+def test_knees_of_real_walkers_do_not_snap(shared_data: Path, names: list[str]) -> None:
+    """Nor are knees and ankles of walkers whose legs come near to being straight, also from one's walk into the other's."""
+    walks = [kx.read(shared_data / "cmu" / name[:2] / f"{name}.amc").resample(60.0) for name in names]
+    knees, ankles = snaps(network(repertoire(walks)), 0, 15.0)
+    assert knees < 1.2
+    assert ankles < 1.2

@@ -8,6 +8,7 @@ from __future__ import annotations
 import bisect
 import cmath
 import math
+import operator
 from collections.abc import Iterable, Sequence
 from typing import Final, NamedTuple
 
@@ -59,8 +60,8 @@ class LiveRenderer:
     Raises
     ------
     InputError
-        If ``start`` or ``heading`` is not finite; on the way, if a path does not follow the one before or its bend is not
-        finite.
+        If ``start`` or ``heading`` is not finite or ``paths`` cannot be gone through; on the way, if a path is none, does not
+        follow the one before or its bend is not finite.
     """
 
     def __init__(
@@ -72,9 +73,14 @@ class LiveRenderer:
         heading: float = 0.0,
         pinned: bool = True,
     ) -> None:
-        origin = np.asarray(start, dtype=np.float64)
-        if origin.shape != (2,) or not np.isfinite(origin).all() or not np.isfinite(heading):
+        try:
+            origin, faced = np.asarray(start, dtype=np.float64), float(heading)
+        except (TypeError, ValueError):
+            origin, faced = np.empty(0), math.nan
+        if origin.shape != (2,) or not np.isfinite(origin).all() or not math.isfinite(faced):
             raise InputError(f"Expected `start` as finite x, z and a finite `heading`, got {start!r} and {heading!r}.")
+        if not isinstance(paths, Iterable):
+            raise InputError(f"Expected `paths` as numbers of paths one after the other, got {paths!r}.")
         self.network, self.pinned = network, pinned
         self.stage = Stage.of(network.repertoire)
         self._paths = iter(paths)
@@ -94,7 +100,7 @@ class LiveRenderer:
         """Moment of the repertoire that is being performed."""
         self.place = origin.copy()
         """Where the root goes next, x and z, metres: where the next path begins, once a path has ended."""
-        self.heading = float(heading)
+        self.heading = faced
         """The same of the heading, radians."""
         self._left = 0
         self._onwards = 1
@@ -161,12 +167,15 @@ class LiveRenderer:
 
     def _begin(self, chosen: int | tuple[int, float]) -> None:
         network, repertoire = self.network, self.network.repertoire
-        if isinstance(chosen, tuple) and (len(chosen) != 2 or not math.isfinite(chosen[1])):
+        try:
+            number, turned = chosen if isinstance(chosen, tuple) else (chosen, 0.0)
+            path, bend = operator.index(number), float(turned)
+        except (TypeError, ValueError):
+            path, bend = -1, math.nan
+        if not math.isfinite(bend):
             raise InputError(
-                f"Expected a path, or a pair of one and finite radians that it is bent by, got {chosen!r}."
+                f"Expected the number of a path, or a pair of one and finite radians that it is bent by, got {chosen!r}."
             )
-        path, bend = chosen if isinstance(chosen, tuple) else (chosen, 0.0)
-        path = int(path)
         if not 0 <= path < len(network):
             raise InputError(f"Expected a path below {len(network)}, got {path}.")
         first = int(network.first[path])

@@ -1,6 +1,8 @@
 """Feet kept in place live, knowing only the past and what the recordings themselves would do next ([Schultz2012] §4.4).
 
 A foot stays where it came down, and comes back to its place in the recording while it swings; the body goes after its feet.
+Nothing snaps: what is added to the recording, to the body's place as to the rotations of the legs, goes after what is asked no
+more quickly than the recordings accelerate the same (`_Gently`); what a leg then lacks for a few frames, its foot slides.
 `kinesics.synthesis.planting` does it for a whole performance at once. Here it is done in plain numbers, and for the joints
 between root and soles alone: see `kinesics.geometry.single`.
 """
@@ -19,14 +21,27 @@ from kinesics.geometry import single
 from kinesics.geometry.single import Quaternion, Vector
 from kinesics.synthesis import inverse_kinematics
 from kinesics.synthesis.repertoire import Repertoire
-from kinesics.synthesis.stage import BEARING, LIFT, RANGE_TOLERANCE, RELEASE, SINK, SOFTLY, SUNK, Stage, held_around
+from kinesics.synthesis.stage import (
+    BEARING,
+    LEAST_TURNING,
+    LIFT,
+    RANGE_TOLERANCE,
+    RELEASE,
+    SINK,
+    SOFTLY,
+    SUNK,
+    Stage,
+    held_around,
+)
 
 Array = NDArray[np.float64]
 
-_SLIPPED: Final = 0.3
-"""Share of what a leg falls short of that its foot slides for good."""
-_FOLLOWED: Final = 0.3
-"""Share of it by which the body goes along in one frame."""
+_SLIPPED: Final = 0.1
+"""Seconds in which a foot slides for good by two thirds of what its leg falls short of."""
+_FOLLOWED: Final = 0.1
+"""The same of the body going along."""
+_DEEPEST: Final = 0.009
+"""Metres below the floor that nothing goes."""
 _GRASP: Final = 0.03
 """Seconds in which a foot that is on the ground after a cut is grasped."""
 LIVE_LEAN: Final = 0.4
@@ -37,6 +52,17 @@ _FLIGHT: Final = 0.05
 """What weighs for no shift at all, so that a body in flight comes back."""
 _ROUNDING: Final = 1e-9
 """Radians."""
+_BRAKE: Final = 0.5
+"""Share of the acceleration that there may be which is counted on for stopping: what is gone after may turn round."""
+_BODY: Final = 2.0
+"""By which the body may be accelerated more than in 99 of 100 frames of the recordings."""
+_STEADY: Final = 60.0
+"""m/s² that a foot is held against: more it has only as it is lifted."""
+_LIFTED: Final = 1.0
+"""m/s from which on a foot is not held back: it is being lifted, whatever the recording's contacts say."""
+_STRETCH: Final = 0.1
+"""Seconds in which the leg of a foot that comes down is stretched as far as its foot asks, by two thirds."""
+_NOWHERE: Final[Vector] = (0.0, 0.0, 0.0)
 
 
 class Treading:
@@ -62,6 +88,8 @@ class Treading:
             for k in (0, 1)
         ]
         self._lean_x = self._lean_z = self._drop = 0.0
+        self._body, self._raised = (_Gently(_BODY * stage.usual.body, 1.0 / fps) for _ in (0, 1))
+        self._follows = _eased(1.0 / fps, _FOLLOWED)
         self._leans = _eased(1.0 / fps, LIVE_LEAN)
         self._sinks, self._sinks_quickly = _eased(1.0 / fps, SINK), _eased(1.0 / fps, 0.25 * SINK)
 
@@ -79,30 +107,18 @@ class Treading:
         self._lean_z += self._leans * (sum(foot.hold * foot.shift_z for foot in feet) / grip - self._lean_z)
         need = max(foot.shortfall(places, self._lean_x, self._lean_z) * foot.hold for foot in feet)
         self._drop += (self._sinks_quickly if need > self._drop else self._sinks) * (need - self._drop)
-        shift = (self._lean_x, -self._drop, self._lean_z)
-        root = single.add(root, shift)
-        beyond = False
+        shift = self._body.follow((self._lean_x, -self._drop, self._lean_z))
+        lowest = math.inf
         for foot in feet:
-            beyond |= foot.reach(places, world, local, shift)
-        if beyond:
-            root = self._slip(local, root, grip)
-        for foot in feet:
+            # a foot whose leg was held back slides, and the body goes after it from the next frame on
+            (x, _, z), under = foot.reach(places, world, local, shift)
+            self._lean_x += self._follows * foot.hold * x / grip
+            self._lean_z += self._follows * foot.hold * z / grip
+            lowest = min(lowest, under)
             for limb in foot.limbs:
                 rotations[limb.joint] = local[limb.at]
-        return root
-
-    def _slip(self, local: list[Quaternion], root: Vector, grip: float) -> Vector:
-        """A foot whose leg was held back slides, and the body goes after it from the next frame on."""
-        places, world = self._forward(local, root)
-        lowest = math.inf
-        for foot in self._feet:
-            x, _, z = single.subtract(foot.target, places[foot.ankle.at])
-            foot.shift_x -= _SLIPPED * x
-            foot.shift_z -= _SLIPPED * z
-            self._lean_x += _FOLLOWED * foot.hold * x / grip
-            self._lean_z += _FOLLOWED * foot.hold * z / grip
-            lowest = min(lowest, *(point[1] for point in foot.placed(places, world)))
-        return root[0], root[1] + max(-lowest - SUNK, 0.0), root[2]
+        _, raised, _ = self._raised.follow((0.0, max(-lowest - SUNK, 0.0), 0.0))
+        return root[0] + shift[0], root[1] + shift[1] + max(raised, -lowest - _DEEPEST), root[2] + shift[2]
 
     def _forward(self, local: list[Quaternion], root: Vector) -> tuple[list[Vector], list[Quaternion]]:
         """Places and orientations in the world of the joints between root and soles."""
@@ -112,6 +128,43 @@ class Treading:
             places.append(single.add(places[parent], single.rotate(above, offset)))
             world.append(single.multiply(above, own))
         return places, world
+
+
+class _Gently:
+    """Goes after a point as closely as it can without being accelerated more than it may be."""
+
+    def __init__(self, most: float, dt: float) -> None:
+        self._dt, self._most, self._leap = dt, most, most * dt
+        self._aim: Vector | None = None
+        self._at = self._velocity = _NOWHERE
+
+    def follow(self, aim: Vector) -> Vector:
+        """Where it is, when the point is at ``aim``; at once where it begins."""
+        dt, before = self._dt, self._aim
+        self._aim = aim
+        if before is None:
+            self._at = aim
+            return aim
+        behind = single.subtract(before, self._at)
+        far = single.length(behind)
+        # no faster than it can stop there; within the last frame right there
+        most = _BRAKE * self._most
+        brake = 0.5 * dt * most
+        speed = min(far / dt, math.sqrt(brake * brake + 2.0 * most * far) - brake)
+        closer = speed / far if far > 1e-12 else 0.0
+        vx, vy, vz = self._velocity
+        change = (
+            (aim[0] - before[0]) / dt + closer * behind[0] - vx,
+            (aim[1] - before[1]) / dt + closer * behind[1] - vy,
+            (aim[2] - before[2]) / dt + closer * behind[2] - vz,
+        )
+        asked = single.length(change)
+        share = self._leap / asked if asked > self._leap else 1.0
+        vx, vy, vz = vx + share * change[0], vy + share * change[1], vz + share * change[2]
+        self._velocity = (vx, vy, vz)
+        x, y, z = self._at
+        self._at = (x + vx * dt, y + vy * dt, z + vz * dt)
+        return self._at
 
 
 class _Limb(NamedTuple):
@@ -127,23 +180,32 @@ class _Limb(NamedTuple):
     low: Vector
     """Least and greatest component of its rotation vector from there: its range, and what limits are known to, radians."""
     high: Vector
+    turned: _Gently
+    """By how much it is turned from the recording."""
 
     @classmethod
     def of(cls, stage: Stage, joint: int, place: dict[int, int]) -> _Limb:
         parent = stage.repertoire.skeleton.parents[joint]
         middle: Quaternion = tuple(stage.middle[joint].tolist())
         low, high = stage.low[joint] - RANGE_TOLERANCE, stage.high[joint] + RANGE_TOLERANCE
-        return cls(joint, place[joint], place[parent], middle, _vector(low), _vector(high))
+        most = max(float(stage.accelerations[joint]), LEAST_TURNING)
+        turned = _Gently(most, 1.0 / stage.repertoire.fps)
+        return cls(joint, place[joint], place[parent], middle, _vector(low), _vector(high), turned)
 
-    def inside(self, q: Quaternion) -> tuple[Quaternion, bool]:
-        """A rotation within the joint's range, and whether it was beyond."""
+    def toward(self, own: Quaternion, wanted: Quaternion) -> Quaternion:
+        """As near as it goes to the rotation wanted in place of its own."""
+        turn = single.as_rotvec(single.undo(own, self.inside(wanted)))
+        return self.inside(single.multiply(own, single.from_rotvec(self.turned.follow(turn))))
+
+    def inside(self, q: Quaternion) -> Quaternion:
+        """A rotation within the joint's range."""
         x, y, z = single.as_rotvec(single.undo(self.middle, q))
         (ax, ay, az), (bx, by, bz) = self.low, self.high
         held = (min(max(x, ax), bx), min(max(y, ay), by), min(max(z, az), bz))
         # a joint that was held stands at the end of its range: rounding is not to decide whether it is held again
         if abs(held[0] - x) + abs(held[1] - y) + abs(held[2] - z) < _ROUNDING:
-            return q, False
-        return single.multiply(self.middle, single.from_rotvec(held)), True
+            return q
+        return single.multiply(self.middle, single.from_rotvec(held))
 
 
 class _Foot:
@@ -160,9 +222,13 @@ class _Foot:
         self.limbs = limbs
         self.hip, self.knee, self.ankle = limbs
         self._hinge, self._points, self._levels = hinge, points, levels
+        self._slips, self._stretches = _eased(dt, _SLIPPED), _eased(dt, _STRETCH)
+        self._steady, self._lifted = _STEADY * dt * dt, _LIFTED * dt
         self._releases, self._grasps = dt / RELEASE, dt / _GRASP
         self._returns, self._softly = _eased(dt, RETURN), _eased(dt, SOFTLY)
         self._sole: list[Vector] = []
+        self._drawn = (0.0, 0.0)
+        self._bears = 0.0
         self._height: list[float] = []
         self._lift = 0.0
         self.hold = 0.0
@@ -190,9 +256,16 @@ class _Foot:
             means = [0.5 * (now + before) for now, before in zip(height, self._height, strict=True)]
             x, z = _slid(self._sole, sole, means)
             free = (1.0 - self.hold) * self._returns
-            self.shift_x -= self.hold * x + free * self.shift_x
-            self.shift_z -= self.hold * z + free * self.shift_z
+            still = self.hold / (1.0 + (math.hypot(x, z) / self._lifted) ** 4)
+            x, z = still * x + free * self.shift_x, still * z + free * self.shift_z
+            before_x, before_z = self._drawn
+            leap = math.hypot(x - before_x, z - before_z)
+            share = self._steady / leap if leap > self._steady else 1.0
+            x, z = self._drawn = before_x + share * (x - before_x), before_z + share * (z - before_z)
+            self.shift_x -= x
+            self.shift_z -= z
         self._sole, self._height = sole, height
+        self._bears += self._stretches * (self.hold - self._bears)
         self._lift += self._softly * (-near * lowest - self._lift)
         lift = max(self._lift, -lowest - SUNK)
         self.target = single.add(places[self.ankle.at], (self.shift_x, lift, self.shift_z))
@@ -206,28 +279,55 @@ class _Foot:
         x, y, z = single.subtract(self.target, single.add(hip, (lean_x, 0.0, lean_z)))
         return max(-y - math.sqrt(max(most * most - x * x - z * z, 0.0)), 0.0)
 
-    def reach(self, places: list[Vector], world: list[Quaternion], local: list[Quaternion], shift: Vector) -> bool:
-        """Put the ankle at its target, the body shifted: changes the rotations; whether the leg's range held it back."""
+    def reach(
+        self, places: list[Vector], world: list[Quaternion], local: list[Quaternion], shift: Vector
+    ) -> tuple[Vector, float]:
+        """Put the ankle at its target, the body shifted, as far as the leg goes: changes the rotations.
+
+        Returns what the ankle falls short of, and the height of the lowest point of the sole, metres.
+        """
         hip, knee, ankle = self.limbs
-        bend, swing = inverse_kinematics.turns(
-            single.add(places[hip.at], shift),
-            single.add(places[knee.at], shift),
-            single.add(places[ankle.at], shift),
-            self.target,
-            single.rotate(world[knee.at], self._hinge),
+        at = single.add(places[hip.at], shift)
+        upper = single.subtract(places[knee.at], places[hip.at])
+        lower = single.subtract(places[ankle.at], places[knee.at])
+        middle = single.add(at, upper)
+        now, aim = single.length(single.add(upper, lower)), single.subtract(self.target, at)
+        asked, target = single.length(aim), self.target
+        if asked > now:
+            # a leg that swings is not stretched for what its foot cannot reach
+            share = (now + self._bears * (asked - now)) / asked
+            target = single.add(at, (share * aim[0], share * aim[1], share * aim[2]))
+        bend, _ = inverse_kinematics.turns(
+            at, middle, single.add(middle, lower), target, single.rotate(world[knee.at], self._hinge)
         )
-        lower = single.multiply(swing, bend)
         # each is the old world orientation, turned, seen from its parent, turned or not; the foot's is as it was
-        turned = (
-            single.undo(world[hip.above], single.multiply(swing, world[hip.at])),
-            single.undo(world[knee.above], single.multiply(bend, world[knee.at])),
-            single.undo(single.multiply(lower, world[ankle.above]), world[ankle.at]),
-        )
-        beyond = False
-        for limb, q in zip(self.limbs, turned, strict=True):
-            local[limb.at], outside = limb.inside(q)
-            beyond |= outside
-        return beyond
+        above = world[knee.above]
+        wanted = single.undo(above, single.multiply(bend, world[knee.at]))
+        local[knee.at] = knee.toward(local[knee.at], wanted)
+        bent = _turn(world[knee.at], single.multiply(above, local[knee.at]))
+        # the leg as it was bent points to the target, be that nearer or farther than it reaches
+        lower = single.rotate(bent, lower)
+        swing = single.least_turn(single.add(upper, lower), single.subtract(self.target, at))
+        above = world[hip.above]
+        wanted = single.undo(above, single.multiply(swing, world[hip.at]))
+        local[hip.at] = hip.toward(local[hip.at], wanted)
+        swung = _turn(world[hip.at], single.multiply(above, local[hip.at]))
+        bent = single.multiply(swung, bent)
+        above = single.multiply(bent, world[ankle.above])
+        local[ankle.at] = ankle.toward(local[ankle.at], single.undo(above, world[ankle.at]))
+        tipped = _turn(world[ankle.at], single.multiply(above, local[ankle.at]))
+        reached = single.add(at, single.rotate(swung, single.add(upper, lower)))
+        lowest = min(single.rotate(tipped, single.subtract(point, places[ankle.at]))[1] for point in self._sole)
+        x, y, z = single.subtract(self.target, reached)
+        self.shift_x -= self._slips * x
+        self.shift_z -= self._slips * z
+        return (x, y, z), reached[1] + lowest
+
+
+def _turn(before: Quaternion, after: Quaternion) -> Quaternion:
+    """What turns one orientation in the world into the other."""
+    w, x, y, z = before
+    return single.multiply(after, (w, -x, -y, -z))
 
 
 def _slid(before: list[Vector], after: list[Vector], height: list[float]) -> tuple[float, float]:
