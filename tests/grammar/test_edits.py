@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import pytest
 
 import kinesics.performer as performer
@@ -242,9 +244,7 @@ def test_a_state_is_not_split_far_from_its_visits(kata: MotionGraph) -> None:
     """A frame names the visit a second off or less; farther off it names none, and the message tells where they are."""
     fps = kata.sources[0].fps
     visits = [(s.start, s.end) for s in kata.timeline(0) if s.path is None and kata.state(s.state).label == "X~"]
-    (_, end), (start, _) = next(
-        pair for pair in zip(visits, visits[1:], strict=False) if pair[1][0] - pair[0][1] > 4 * fps
-    )
+    (_, end), (start, _) = next(pair for pair in itertools.pairwise(visits) if pair[1][0] - pair[0][1] > 4 * fps)
     near, far = end + round(0.9 * fps), (end + start) // 2
     assert (
         _apply(kata, f'states.split = [ {{ state = "X~", into = "center", frames = [{near}] }} ]')
