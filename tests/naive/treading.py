@@ -91,7 +91,7 @@ class Treading:
             share = bearing(0.5 * (height + self.height))
             slid = (share[..., None] * (soles - self.soles)[..., [0, 2]]).sum(axis=1)
             back = (1.0 - self.hold) * eased(0.12)
-            still = self.hold / (1.0 + (np.linalg.norm(slid, axis=1) / dt) ** 4)
+            still = self.hold / (1.0 + (np.linalg.norm(slid, axis=1) / (2.5 * dt)) ** 4)
             drawn = still[:, None] * slid + back[:, None] * self.shift
             for k in (0, 1):
                 leap = drawn[k] - self.drawn[k]

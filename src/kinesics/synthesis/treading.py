@@ -58,7 +58,7 @@ _BODY: Final = 2.0
 """By which the body may be accelerated more than in 99 of 100 frames of the recordings."""
 _STEADY: Final = 60.0
 """m/s² that a foot is held against: more it has only as it is lifted."""
-_LIFTED: Final = 1.0
+_LIFTED: Final = 2.5
 """m/s from which on a foot is not held back: it is being lifted, whatever the recording's contacts say."""
 _STRETCH: Final = 0.1
 """Seconds in which the leg of a foot that comes down is stretched as far as its foot asks, by two thirds."""
