@@ -457,7 +457,7 @@ def test_what_there_is_no_time_for_is_not_attained() -> None:
     for frames in range(3, 6):
         course = perform_paths(net, StateToState("A", "B"), frames / net.repertoire.fps, start=0, finish=True)
         assert course.attained == (frames >= 4)
-    place = Target((0.0, 0.3), radius=0.05)
+    place = Target((0.0, 0.1), radius=0.03)  # a path leads .1 m, in four frames of .025 m
     for frames, there in ((2, False), (3, False), (4, True)):
         course = perform_paths(net, place, frames / net.repertoire.fps, start=0, bend=0.0, stand=False)
         assert course.attained == there, (course.ground, course.outcome)
