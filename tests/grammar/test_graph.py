@@ -433,7 +433,7 @@ def test_the_edit_distance_counts_what_was_added(added: dict[str, list[State]], 
     states = [State(0), State(1), State(2, symmetric=True)]
     paths = [Path(0, from_=0, to=1), Path(1, from_=1, to=2)]
     graph = build(states, paths)
-    more = build([*states, *added.get("states", [])], [*paths, *added.get("paths", [])])  # type: ignore[list-item]
+    more = build([*states, *added.get("states", [])], [*paths, *added.get("paths", [])])
     assert graph.edit_distance(more).value == distance
     assert more.edit_distance(graph).value == distance
 
@@ -467,7 +467,7 @@ def _by_force(a: MotionGraph, b: MotionGraph) -> int:
         total = sum(v is None for v in choice) + sum(s not in choice for s in right)
         for s in left:
             if image[s] is not None:
-                total += a.state(s).symmetric != b.state(image[s]).symmetric  # type: ignore[arg-type]
+                total += a.state(s).symmetric != b.state(image[s]).symmetric
         for u, v in itertools.combinations_with_replacement(left, 2):
             x, y = image[u], image[v]
             total += pair_cost(kinds(a, u, v), kinds(b, x, y) if x is not None and y is not None else [])
@@ -515,7 +515,7 @@ def test_json_goes_there_and_back(performed: MotionGraph) -> None:
         (lambda d: d.update(notation="aa*_1"), "does not agree"),
     ],
 )
-def test_a_spoilt_file_is_refused(spoil, message: str) -> None:  # type: ignore[no-untyped-def]
+def test_a_spoilt_file_is_refused(spoil, message: str) -> None:
     """The message says where."""
     values = json.loads(_walk().to_json())
     spoil(values)

@@ -93,7 +93,7 @@ def test_recordings_are_classed_once(monkeypatch: pytest.MonkeyPatch) -> None:
 
     def counted(*args: object) -> classes.Verdict:
         judged.append((id(args[0]), len(judged)))
-        return classify(*args)  # type: ignore[arg-type]
+        return classify(*args)
 
     monkeypatch.setattr(classes, "classify", counted)
     analysis = kx.analyze(motions)

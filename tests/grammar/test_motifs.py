@@ -36,7 +36,7 @@ def _poses(name: str, seed: int = 1, fps: float = FPS, **parameters: float) -> n
 
 def planted(fps: float = FPS) -> tuple[PoseSequence, list[tuple[int, int]]]:
     """A throw, a rest, the throw backwards, a rest, the throw mirrored; and where they are."""
-    a = _poses("throw", fps=fps, noise_degrees=0.3, noise_kind="smooth")  # type: ignore[arg-type]
+    a = _poses("throw", fps=fps, noise_degrees=0.3, noise_kind="smooth")
     # the rest is at a posture of the throw's beginning with one arm out: neither throw begins or ends there
     rest = np.repeat(pose_with_arms_out(a[0])[None], round(1.5 * fps), axis=0)
     steps = round(0.4 * fps)

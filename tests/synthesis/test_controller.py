@@ -488,8 +488,8 @@ def test_what_was_not_reached_is_said(net: Network, ready: Prospects) -> None:
     ("make", "words"),
     [
         (lambda: Target((math.nan, 1.0)), "finite numbers"),
-        (lambda: Target((1.0, 2.0, 3.0)), "two numbers"),  # type: ignore[arg-type]
-        (lambda: Target("there"), "two numbers"),  # type: ignore[arg-type]
+        (lambda: Target((1.0, 2.0, 3.0)), "two numbers"),
+        (lambda: Target("there"), "two numbers"),
         (lambda: Target((1e9, 0.0)), "within 10000 m"),
         (lambda: Target((1.0, 2.0), radius=0.0), "`radius`"),
         (lambda: Target((1.0, 2.0), weight=-1.0), "`weight`"),
@@ -499,20 +499,20 @@ def test_what_was_not_reached_is_said(net: Network, ready: Prospects) -> None:
         (lambda: Route([(0.0, 1.0)]), r"n at least 2, got \(1, 2\)"),
         (lambda: Route([(0.0, 1.0), (0.0, 1.0)]), "one place"),
         (lambda: Route([(0.0, 1.0), (math.nan, 1.0)]), "number 1"),
-        (lambda: Route("circle"), "shape"),  # type: ignore[arg-type]
+        (lambda: Route("circle"), "shape"),
         (lambda: Heading(math.inf), "`heading`"),
         (lambda: Speed(-1.0), "speed"),
         (lambda: Novelty(forget=0.0), "`forget`"),
         (lambda: StateToState("A", "B", by="hops"), "seconds, cost"),
         (lambda: StateToState("A", ""), "name of a state, got an empty one"),
-        (lambda: Targets(3), "`positions`.*got 3"),  # type: ignore[arg-type]
-        (lambda: Target((1.0, 2.0), radius="near"), "`radius` above 0, got 'near'"),  # type: ignore[arg-type]
-        (lambda: Heading("left"), "`heading` to be a finite number, got 'left'"),  # type: ignore[arg-type]
-        (lambda: Speed(None), "`speed` of 0 or more metres a second, got None"),  # type: ignore[arg-type]
-        (lambda: Novelty(forget="soon"), "`forget`.*got 'soon'"),  # type: ignore[arg-type]
-        (lambda: Favour(7), "as text, got 7"),  # type: ignore[arg-type]
+        (lambda: Targets(3), "`positions`.*got 3"),
+        (lambda: Target((1.0, 2.0), radius="near"), "`radius` above 0, got 'near'"),
+        (lambda: Heading("left"), "`heading` to be a finite number, got 'left'"),
+        (lambda: Speed(None), "`speed` of 0 or more metres a second, got None"),
+        (lambda: Novelty(forget="soon"), "`forget`.*got 'soon'"),
+        (lambda: Favour(7), "as text, got 7"),
         (lambda: Favour(" "), "got an empty one"),
-        (lambda: Route([(0.0, 1.0), (2.0, 1.0)], haste=None), "`haste`"),  # type: ignore[arg-type]
+        (lambda: Route([(0.0, 1.0), (2.0, 1.0)], haste=None), "`haste`"),
     ],
 )
 def test_impossible_wishes_are_refused(make: Callable[[], object], words: str) -> None:
@@ -543,7 +543,7 @@ def test_impossible_wishes_are_refused(make: Callable[[], object], words: str) -
 def test_bad_calls_are_refused(net: Network, ready: Prospects, arguments: dict[str, object], words: str) -> None:
     """By name, with what there is instead."""
     with pytest.raises(InputError, match=words):
-        perform_paths(net, **({"prepared": ready, "seconds": 5.0} | arguments))  # type: ignore[arg-type]
+        perform_paths(net, **({"prepared": ready, "seconds": 5.0} | arguments))
 
 
 def test_a_network_without_words_says_where_they_come_from() -> None:

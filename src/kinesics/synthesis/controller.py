@@ -32,6 +32,7 @@ from numpy.typing import NDArray
 from kinesics.errors import InputError
 from kinesics.synthesis import ways
 from kinesics.synthesis.goals import Feature, Goal, OwnFeature, Pursuit, Situation, ToPlaces, TrailPursuit
+from kinesics.synthesis.goals.pursuit import listed
 from kinesics.synthesis.prospects import LOOKAHEAD, Prospects, Trail, Trails, prospects, trails
 
 if TYPE_CHECKING:
@@ -238,11 +239,8 @@ class Controller:
 
     def pursue(self, goal: Goal | Feature | Sequence[Goal | Feature] | None) -> None:
         """Wish for something else from the next decision on. Raises InputError if it cannot be pursued here."""
-        goals: list[Goal | Feature] = (
-            [] if goal is None else list(goal) if isinstance(goal, (list, tuple)) else [goal]  # type: ignore[list-item]
-        )
-        pursuits = []
-        for one in goals:
+        pursuits: list[Pursuit] = []
+        for one in listed(goal):
             if hasattr(one, "pursuit"):
                 pursuits.append(one.pursuit(self.network, self.prospects))
             elif isinstance(one, Feature):

@@ -16,9 +16,10 @@ from kinesics.body.motion import Motion
 from kinesics.errors import InputError
 from kinesics.synthesis import goals
 from kinesics.synthesis import network as networks
-from kinesics.synthesis.goals.arguments import check_name
+from kinesics.synthesis.goals.arguments import check_name, place_of
 from kinesics.synthesis.goals.favours import FAVOURABLE
 from kinesics.synthesis.goals.naming import unusable, with_word
+from kinesics.synthesis.goals.pursuit import listed
 from kinesics.synthesis.network import Network
 from kinesics.synthesis.piece import ASIDE, aside_of, visits
 from kinesics.vocabulary import MovementClass
@@ -112,12 +113,14 @@ class Wish:
                 check_name(state, f"a state in `{name}`")
         if favour is not None:
             check_name(favour, FAVOURABLE)
-        own: tuple[Any, ...] = () if goal is None else tuple(goal) if isinstance(goal, (list, tuple)) else (goal,)
+        own = listed(goal)
         for one in own:
             if isinstance(one, type):
                 raise InputError(f"Expected a goal, got the class {one.__name__} itself: give {one.__name__}(…).")
         return cls(
-            None if target is None else goals.Target(target, radius=goals.RADIUS if radius is None else radius),  # type: ignore[arg-type]
+            None
+            if target is None
+            else goals.Target(place_of(target, "target"), goals.RADIUS if radius is None else radius),
             None if route is None else goals.Route(route),
             from_state,
             to_state,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -135,3 +135,8 @@ class Goal(Protocol):
     def pursuit(self, network: Network, prospects: Prospects) -> Pursuit:
         """Get ready for one network. Raises InputError where it cannot be pursued there."""
         ...
+
+
+def listed(goal: Goal | Feature | Sequence[Goal | Feature] | None) -> tuple[Any, ...]:
+    """Goals one by one, however they were given; whether they are any is for the caller to see."""
+    return () if goal is None else tuple(goal) if isinstance(goal, list | tuple) else (goal,)
