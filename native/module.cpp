@@ -8,6 +8,8 @@ void bind_kinematics(nb::module_ &m);
 void bind_paths(nb::module_ &m);
 void bind_ground(nb::module_ &m);
 void bind_togo(nb::module_ &m);
+void bind_quaternions(nb::module_ &m);
+void bind_footing(nb::module_ &m);
 #ifdef KINESICS_TEXT
 void bind_text(nb::module_ &m);
 #endif
@@ -19,6 +21,8 @@ NB_MODULE(_native, m) {
     bind_paths(m);
     bind_ground(m);
     bind_togo(m);
+    bind_quaternions(m);
+    bind_footing(m);
 #ifdef KINESICS_TEXT
     bind_text(m);
 #endif

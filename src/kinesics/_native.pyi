@@ -126,6 +126,41 @@ def seconds_by(
 ) -> None:
     """Fill ``out`` with the seconds to a target by each trail (columns), bent by each of ``bends`` (rows), and on from its end."""
 
+def quaternion_products(a: _Doubles, b: _Doubles, out: _Doubles) -> None:
+    """Fill ``out`` with a · b. Shapes (n, m, 4), of the inputs with any strides; so of all that follow."""
+
+def quaternion_turned(a: _Doubles, b: _Doubles, out: _Doubles) -> None:
+    """Fill ``out`` (n, m, 3) with vectors ``b``, turned."""
+
+def quaternion_logarithms(a: _Doubles, out: _Doubles) -> None:
+    """Fill ``out`` (n, m, 3) with rotation vectors."""
+
+def quaternion_exponentials(a: _Doubles, out: _Doubles) -> None:
+    """Fill ``out`` (n, m, 4) with the quaternions of rotation vectors."""
+
+def quaternion_offsets(a: _Doubles, b: _Doubles, out: _Doubles) -> None:
+    """Fill ``out`` (n, m, 3) with the rotation vectors of a⁻¹ · b."""
+
+def quaternion_angles(a: _Doubles, b: _Doubles, out: _Doubles) -> None:
+    """Fill ``out`` (n, m, 1) with the angles of a⁻¹ · b."""
+
+def seek_footing(
+    knees: _Doubles,
+    hips: _Doubles,
+    foot: float,
+    body: float,
+    slid: _Doubles,
+    grip: _Doubles,
+    height: _Doubles,
+    press: _Doubles,
+    way: _Doubles,
+    least: _Doubles,
+    astray: float,
+    drift: _Doubles,
+    out: _Doubles,
+) -> bool:
+    """Fill ``out`` with what is added to both feet and the body where the sum of squares is least; False if there is no least."""
+
 def parse_rows(data: bytes, start: int, columns: int) -> tuple[_Doubles, int]:
     """Rows of numbers, one a line; and the byte where the first line begins that is not one, or −1."""
 

@@ -10,6 +10,7 @@ from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
+from kinesics import compiled
 from kinesics.errors import InputError
 from kinesics.geometry import quaternion
 from naive import geometry as naive
@@ -65,6 +66,59 @@ def test_leading_axes_broadcast(rng: np.random.Generator) -> None:
         for j in range(2):
             assert_allclose(product[i, j], naive.multiply(a[i, 0], b[j]), atol=1e-15)
             assert_allclose(turned[i, j], naive.rotate(a[i, 0], v[j]), atol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        ((), ()),
+        ((5,), ()),
+        ((), (5,)),
+        ((4, 3), (3,)),
+        ((3, 1), (2,)),
+        ((0, 3), (0, 3)),
+        ((2, 1, 4, 3), (5, 1, 3)),
+        ((2, 0, 3), (3,)),
+    ],
+)
+def test_compiled_and_plain_agree(
+    first: tuple[int, ...], second: tuple[int, ...], monkeypatch, rng: np.random.Generator
+) -> None:
+    """Products, turned vectors, logarithms and exponentials: the same from the compiled module and from NumPy, however axes lie."""
+    if compiled.native is None:
+        pytest.skip("The compiled kernels were not built.")
+    a, b, v = random(rng, first), random(rng, second), 3.0 * rng.normal(size=(*second, 3))
+    # picked joints lie in other orders in memory, and a turn of nothing has no axis
+    twice, picked = np.concatenate([b, -b], axis=-1)[..., ::2], np.swapaxes(np.array(np.swapaxes(b, 0, -1)), 0, -1)
+    v[..., 0] *= 1e-9
+    b[..., 1:] *= 0.0 if second == (5,) else 1.0
+
+    def results() -> list[np.ndarray]:
+        return [
+            quaternion.multiply(a, b),
+            quaternion.multiply(twice, picked),
+            quaternion.rotate(a, v),
+            quaternion.as_rotvec(picked),
+            quaternion.from_rotvec(v),
+            quaternion.offset(a, picked),
+            quaternion.angle(a, b),
+        ]
+
+    monkeypatch.delenv("KINESICS_KERNEL", raising=False)
+    monkeypatch.setenv("KINESICS_NO_NATIVE", "0")
+    quick = results()
+    monkeypatch.setenv("KINESICS_NO_NATIVE", "1")
+    for one, other in zip(quick, results(), strict=True):
+        assert one.shape == other.shape
+        assert_allclose(one, other, rtol=1e-12, atol=1e-13)
+
+
+@given(rotations(), rotations())
+def test_the_offset_is_what_turns_the_one_into_the_other(a: np.ndarray, b: np.ndarray) -> None:
+    """a · exp(offset) is b, and no longer way round than half a turn."""
+    found = quaternion.offset(a, b)
+    assert np.linalg.norm(found) <= np.pi + 1e-12
+    assert_same_rotation(quaternion.multiply(a, quaternion.from_rotvec(found)), b)
 
 
 @given(rotations(), rotations(), vectors)

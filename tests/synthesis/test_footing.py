@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from kinesics import compiled
 from kinesics.synthesis import footing
 from kinesics.synthesis.footing import Bounds, Leg, Usual
 from naive import footing as naive
@@ -34,6 +35,17 @@ def sought(
     return footing.footing(slid, grip, height, press, stiff, FPS, bounds, both)
 
 
+@pytest.fixture(params=["compiled", "numpy"])
+def way(request, monkeypatch) -> str:
+    """Each way forced in turn."""
+    if request.param == "compiled" and compiled.native is None:
+        pytest.skip("The compiled kernels were not built.")
+    monkeypatch.delenv("KINESICS_KERNEL", raising=False)
+    monkeypatch.setenv("KINESICS_NO_NATIVE", "1" if request.param == "numpy" else "0")
+    return request.param
+
+
+@pytest.mark.usefixtures("way")
 def test_the_least_is_found(rng: np.random.Generator) -> None:
     """Whatever is changed, the sum of squares that the twin adds up grows."""
     given = walk(rng, 20)
@@ -51,6 +63,34 @@ def test_the_least_is_found(rng: np.random.Generator) -> None:
         for step in (-1e-6, 1e-6):
             body[7, axis] = found.body[7, axis] + step
             assert naive.sum_of_squares(found.feet, body, *given, USUAL, FPS, bounds, both) > least
+
+
+@pytest.mark.parametrize("frames", [3, 4, 5, 400])
+def test_compiled_and_plain_agree(frames: int, monkeypatch, rng: np.random.Generator) -> None:
+    """The compiled module and SciPy solve the same system to a tenth of a micrometre, from the shortest on."""
+    if compiled.native is None:
+        pytest.skip("The compiled kernels were not built.")
+    given = walk(rng, frames)
+    direction = rng.normal(size=(frames, 2, 3))
+    direction *= (rng.random((frames, 2)) < 0.5)[..., None] / np.linalg.norm(direction, axis=-1, keepdims=True)
+    bounds, both = Bounds(direction, rng.uniform(-0.01, 0.02, (frames, 2))), rng.random(frames)
+    monkeypatch.delenv("KINESICS_KERNEL", raising=False)
+    monkeypatch.setenv("KINESICS_NO_NATIVE", "0")
+    quick = sought(*given, bounds, both)
+    monkeypatch.setenv("KINESICS_NO_NATIVE", "1")
+    plain = sought(*given, bounds, both)
+    np.testing.assert_allclose(quick.feet, plain.feet, rtol=0.0, atol=1e-7)
+    np.testing.assert_allclose(quick.body, plain.body, rtol=0.0, atol=1e-7)
+    assert np.abs(plain.feet).max() > 1e-4
+
+
+@pytest.mark.usefixtures("way")
+def test_what_has_no_answer_is_refused(rng: np.random.Generator) -> None:
+    """Of what is no number there is no least sum, rather than places that are none."""
+    slid, grip, height, press, leg = walk(rng, 12)
+    leg.knee[5, 0] = np.nan
+    with pytest.raises(np.linalg.LinAlgError, match="not finite"):
+        sought(slid, grip, height, press, leg, Bounds.none(12))
 
 
 def test_a_bearing_foot_stays(rng: np.random.Generator) -> None:

@@ -5,19 +5,24 @@ function that returns a rotation treats them alike. Angles are radians. Euler an
 
 - make: `identity`, `from_rotvec` (exponential), `from_matrix`, `from_axis_angle`, `between`, `normalize`
 - combine: `multiply`, `conjugate`, `rotate`, `power`, `slerp`, `mean`
-- take apart: `as_rotvec` (logarithm), `as_axis_angle` (Euler pole), `as_matrix`, `angle`, `swing_twist`, `yaw_tilt`
+- take apart: `as_rotvec` (logarithm), `offset` (of one from another), `as_axis_angle` (Euler pole), `as_matrix`, `angle`,
+  `swing_twist`, `yaw_tilt`
 - signs: `canonical` (for storage), `continuous` (along time)
 - the mirror: `mirror` (the operator w of §2.10)
 - other libraries: `as_scalar_last`, `from_scalar_last`
+
+Products, turned vectors, logarithms and exponentials are compiled, where that was built, and NumPy's elsewhere.
 """
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kinesics import compiled
 from kinesics.errors import InputError
 
 Array = NDArray[np.float64]
@@ -84,6 +89,10 @@ def multiply(a: ArrayLike, b: ArrayLike) -> Array:
     """Hamilton product ``a · b``: first b turns, then a. Shapes (..., 4), broadcast."""
     a = np.asarray(a, dtype=np.float64)
     b = np.asarray(b, dtype=np.float64)
+    if compiled.wanted():
+        out = np.empty((*_together(a, b), 4))
+        compiled.native.quaternion_products(_rows(a, out), _rows(b, out), _rows(out, out))
+        return out
     aw, ax, ay, az = a[..., 0], a[..., 1], a[..., 2], a[..., 3]
     bw, bx, by, bz = b[..., 0], b[..., 1], b[..., 2], b[..., 3]
     out = np.empty(np.broadcast_shapes(a.shape, b.shape))
@@ -103,6 +112,10 @@ def rotate(q: ArrayLike, v: ArrayLike) -> Array:
     """Turn vectors: ``v + 2w q×v + 2q×(q×v)`` (§2.2, with its missing brackets). Shapes (..., 4) and (..., 3)."""
     q = np.asarray(q, dtype=np.float64)
     v = np.asarray(v, dtype=np.float64)
+    if compiled.wanted():
+        out = np.empty((*_together(q, v), 3))
+        compiled.native.quaternion_turned(_rows(q, out), _rows(v, out), _rows(out, out))
+        return out
     w = q[..., :1]
     u = q[..., 1:]
     t = 2.0 * _cross(u, v)
@@ -152,6 +165,10 @@ def as_axis_angle(q: ArrayLike) -> AxisAngle:
 def from_rotvec(rotvec: ArrayLike) -> Array:
     """Exponential of SO(3): rotation vectors (..., 3), radians, to quaternions (..., 4)."""
     v = np.asarray(rotvec, dtype=np.float64)
+    if compiled.wanted():
+        out = np.empty((*v.shape[:-1], 4))
+        compiled.native.quaternion_exponentials(_rows(v, out), _rows(out, out))
+        return out
     theta = np.linalg.norm(v, axis=-1, keepdims=True)
     # sin(θ/2)/θ is smooth through 0; np.sinc(x) = sin(πx)/(πx) has the limit built in.
     return np.concatenate([np.cos(theta / 2.0), 0.5 * np.sinc(theta / (2.0 * np.pi)) * v], axis=-1)
@@ -160,6 +177,10 @@ def from_rotvec(rotvec: ArrayLike) -> Array:
 def as_rotvec(q: ArrayLike) -> Array:
     """Logarithm of SO(3): quaternions (..., 4) to rotation vectors (..., 3), radians, of length ≤ π."""
     q = np.asarray(q, dtype=np.float64)
+    if compiled.wanted():
+        out = np.empty((*q.shape[:-1], 3))
+        compiled.native.quaternion_logarithms(_rows(q, out), _rows(out, out))
+        return out
     q = np.where(q[..., :1] < 0.0, -q, q)
     sin_half = np.linalg.norm(q[..., 1:], axis=-1, keepdims=True)
     half = np.arctan2(sin_half, q[..., :1])
@@ -168,10 +189,26 @@ def as_rotvec(q: ArrayLike) -> Array:
     return scale * q[..., 1:]
 
 
+def offset(a: ArrayLike, b: ArrayLike) -> Array:
+    """Rotation vector of what turns ``a`` into ``b``: ``log(a⁻¹ · b)``, radians, of length ≤ π. Shapes (..., 4) to (..., 3)."""
+    if not compiled.wanted():
+        return as_rotvec(multiply(conjugate(a), b))
+    a = np.asarray(a, dtype=np.float64)
+    b = np.asarray(b, dtype=np.float64)
+    out = np.empty((*_together(a, b), 3))
+    compiled.native.quaternion_offsets(_rows(a, out), _rows(b, out), _rows(out, out))
+    return out
+
+
 def angle(a: ArrayLike, b: ArrayLike | None = None) -> Array:
     """Angle of the rotation ``a``, or between ``a`` and ``b``, radians in [0, π]. Shape (..., 4) to (...)."""
     q = np.asarray(a, dtype=np.float64)
     if b is not None:
+        b = np.asarray(b, dtype=np.float64)
+        if compiled.wanted():
+            out = np.empty((*_together(q, b), 1))
+            compiled.native.quaternion_angles(_rows(q, out), _rows(b, out), _rows(out, out))
+            return out[..., 0]
         q = multiply(conjugate(q), b)
     # atan2 stays exact near 0, where arccos of the dot product loses half its digits
     return np.asarray(2.0 * np.arctan2(np.linalg.norm(q[..., 1:], axis=-1), np.abs(q[..., 0])))
@@ -354,6 +391,27 @@ def as_scalar_last(q: ArrayLike) -> Array:
 def from_scalar_last(xyzw: ArrayLike) -> Array:
     """``(w, x, y, z)`` from ``(x, y, z, w)`` as SciPy and glTF give it. Shape (..., 4)."""
     return np.asarray(xyzw, dtype=np.float64)[..., [3, 0, 1, 2]]
+
+
+def _together(a: Array, b: Array) -> tuple[int, ...]:
+    """Leading axes of two arrays broadcast."""
+    if a.shape[:-1] == b.shape[:-1]:
+        return a.shape[:-1]
+    return np.broadcast_shapes(a.shape[:-1], b.shape[:-1])
+
+
+def _rows(values: Array, out: Array) -> Array:
+    """As the compiled module takes them: three axes, the leading ones as those of ``out``; hardly ever copied."""
+    leading, own = out.shape[:-1], values.shape[-1:]
+    if values.shape[:-1] != leading:
+        values = np.broadcast_to(values, leading + own)
+    if len(leading) == 2:
+        return values
+    return (
+        values[(None,) * (2 - len(leading))]
+        if len(leading) < 2
+        else values.reshape(math.prod(leading[:-1]), leading[-1], *own)
+    )
 
 
 def _components(values: ArrayLike, width: int, what: str) -> Array:

@@ -142,7 +142,7 @@ def two_sided(offset: Array, velocity: Array, times: Array, window: Window) -> A
 
 def rotation_offset(left: Array, entered: Array) -> Array:
     """δ with ``entered = left · exp(δ)``, rotation vectors of at most π, shape (..., 4) to (..., 3)."""
-    return quaternion.as_rotvec(quaternion.multiply(quaternion.conjugate(left), entered))
+    return quaternion.offset(left, entered)
 
 
 def add_rotation(q: Array, offset: Array) -> Array:

@@ -11,7 +11,8 @@ smoothed after they are found; here smoothness is part of what is sought):
 - accelerations of feet and body that it adds;
 - how far feet are from where the recording has them beneath the body, and the body from where it has it.
 
-The sum is quadratic, its matrix banded, so that the answer is exact and takes a few milliseconds.
+The sum is quadratic, its matrix banded, so that the answer is exact and takes a few milliseconds: compiled, where that was
+built, in NumPy and SciPy elsewhere.
 """
 
 from __future__ import annotations
@@ -20,6 +21,8 @@ from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+from kinesics import compiled
 
 Array = NDArray[np.float64]
 
@@ -44,6 +47,7 @@ _LEAST_BEND: Final = np.deg2rad(12.0)
 _BODY: Final = 6
 _LEFT: Final = 1e-4
 """Share of the weight of `ADRIFT` that is left while the body stands."""
+_NONE: Final = "There is no least sum of squares: places, or what they weigh, are not finite."
 
 
 class Leg(NamedTuple):
@@ -78,14 +82,15 @@ class Usual(NamedTuple):
 
 
 class Stiffness(NamedTuple):
-    """Weights of second differences of what is added to both feet and the body: see `stiffness`."""
+    """How much what is added to feet and body bends knees and turns hips, as shares of what that weighs: see `stiffness`."""
 
-    here: Array
-    """Of each frame with itself, shape (frames, 9, 9)."""
-    next: Array
-    """With the one after, shape (frames − 1, 9, 9)."""
-    after: Array
-    """With the one after that, shape (frames − 2, 9, 9)."""
+    knees: Array
+    """For each metre that a foot goes beneath the body, shape (frames, 2, 3)."""
+    hips: Array
+    """The same of turning, whichever way it goes, shape (frames, 2)."""
+    foot: float
+    """For each metre that a foot goes in the world."""
+    body: float
 
 
 class Footing(NamedTuple):
@@ -135,6 +140,69 @@ def footing(
     frames = len(height)
     if frames < 3:
         return Footing(np.zeros((frames, 2, 3)), np.zeros((frames, 3)))
+    drift = np.broadcast_to(1.0 / np.square([ADRIFT, SINKING, ADRIFT]), (frames, 3)).copy()
+    drift[:, [0, 2]] *= 1.0 - (1.0 - _LEFT) * np.broadcast_to(both, frames)[:, None]
+    sought = _Sought(
+        stiff, slid, grip * (fps / SLIP), height, press / HEIGHT, bounds.way / BOUND, bounds.least / BOUND, drift
+    )
+    found = _quickly(sought) if compiled.wanted() else _plainly(sought)
+    return Footing(found[:, :_BODY].reshape(frames, 2, 3), found[:, _BODY:])
+
+
+def stiffness(leg: Leg, usual: Usual, fps: float) -> Stiffness:
+    """What it weighs to accelerate feet and body so that these legs bend and swing."""
+    return Stiffness(
+        leg.direction * (leg.knee * fps**2 / (_SHARE * usual.knees))[..., None],
+        fps**2 / (leg.distance * _SHARE * usual.hips),
+        fps**2 / GENTLE,
+        fps**2 / (_SHARE * usual.body),
+    )
+
+
+class _Sought(NamedTuple):
+    """The sum of squares: every difference times the root of what it weighs."""
+
+    stiff: Stiffness
+    slid: Array
+    """Metres, as it comes."""
+    grip: Array
+    height: Array
+    """Metres, as it comes."""
+    press: Array
+    way: Array
+    least: Array
+    drift: Array
+    """What the body's place weighs, shape (frames, 3)."""
+
+
+def _quickly(sought: _Sought) -> Array:
+    """What is added to both feet and the body where the sum is least, shape (frames, 9)."""
+    out = np.empty((len(sought.height), 9))
+    stiff, *others, drift = sought
+    slid, grip, height, press, way, least = (np.ascontiguousarray(o, dtype=np.float64) for o in others)
+    if not compiled.native.seek_footing(
+        np.ascontiguousarray(stiff.knees),
+        np.ascontiguousarray(stiff.hips),
+        stiff.foot**2,
+        stiff.body**2,
+        slid,
+        grip,
+        height,
+        press,
+        way,
+        least,
+        1.0 / ASTRAY**2,
+        drift,
+        out,
+    ):
+        raise np.linalg.LinAlgError(_NONE)
+    return out
+
+
+def _plainly(sought: _Sought) -> Array:
+    """`_quickly` without the compiled module."""
+    stiff, slid, grip, height, press, ways, least, drift = sought
+    frames = len(height)
     here, next_, after = np.zeros((frames, 9, 9)), np.zeros((frames, 9, 9)), np.zeros((frames, 9, 9))
     wanted = np.zeros((frames, 9))
     diagonal = np.einsum("fii->fi", here)
@@ -142,62 +210,53 @@ def footing(
     for k in (0, 1):
         for n, axis in enumerate((0, 2)):
             column = 3 * k + axis
-            weight = np.square(grip[:, k] * fps / SLIP)
+            weight = np.square(grip[:, k])
             diagonal[1:, column] += weight
             diagonal[:-1, column] += weight
             beside[:-1, column] -= weight
             wanted[1:, column] -= weight * slid[:, k, n]
             wanted[:-1, column] += weight * slid[:, k, n]
-        weight = np.square(press[:, k] / HEIGHT)
+        weight = np.square(press[:, k])
         diagonal[:, 3 * k + 1] += weight
         wanted[:, 3 * k + 1] -= weight * height[:, k]
         foot, body = slice(3 * k, 3 * k + 3), slice(_BODY, _BODY + 3)
-        way = bounds.way[:, k] / BOUND
+        way = ways[:, k]
         firm = way[:, :, None] * way[:, None, :] + np.eye(3) / ASTRAY**2
         here[:, foot, foot] += firm
         here[:, body, body] += firm
         here[:, foot, body] -= firm
         here[:, body, foot] -= firm
-        pull = way * (bounds.least[:, k] / BOUND)[:, None]
+        pull = way * least[:, k, None]
         wanted[:, foot] += pull
         wanted[:, body] -= pull
-    weights = np.broadcast_to(1.0 / np.square([ADRIFT, SINKING, ADRIFT]), (frames, 3)).copy()
-    weights[:, [0, 2]] *= 1.0 - (1.0 - _LEFT) * np.broadcast_to(both, frames)[:, None]
-    diagonal[:, _BODY:] += weights
-    square, cross, far = stiff
+    diagonal[:, _BODY:] += drift
+    square, cross, far = (_bent(stiff, lag) for lag in (0, 1, 2))
     here[:-2] += square[:-2]
     here[1:-1] += 4.0 * square[1:-1]
     here[2:] += square[2:]
     next_[:-2] -= 2.0 * cross[:-1]
     next_[1:-1] -= 2.0 * cross[1:]
     after[:-2] += far
-    found = _solved(here, next_, after, wanted)
-    return Footing(found[:, :_BODY].reshape(frames, 2, 3), found[:, _BODY:])
+    return _solved(here, next_, after, wanted)
 
 
-def stiffness(leg: Leg, usual: Usual, fps: float) -> Stiffness:
-    """What it weighs to accelerate feet and body so that these legs bend and swing."""
-    return Stiffness(*(_bent(leg, usual, fps, lag) for lag in (0, 1, 2)))
-
-
-def _bent(leg: Leg, usual: Usual, fps: float, lag: int) -> Array:
+def _bent(stiff: Stiffness, lag: int) -> Array:
     """MᵗM of each frame with that ``lag`` frames later, shape (frames − lag, 9, 9): M times what is added is what is to have
     little second difference, as a share of what that weighs."""
-    frames = max(len(leg.distance) - lag, 0)
+    frames = len(stiff.knees) - lag
     early, late = slice(0, frames), slice(lag, None)
     out = np.zeros((frames, 9, 9))
     body = slice(_BODY, _BODY + 3)
     for k in (0, 1):
         foot = slice(3 * k, 3 * k + 3)
-        knee = leg.direction[:, k] * (leg.knee[:, k] * fps**2 / (_SHARE * usual.knees[k]))[:, None]
-        hip = fps**2 / (leg.distance[:, k] * _SHARE * usual.hips[k])
+        knee, hip = stiff.knees[:, k], stiff.hips[:, k]
         block = knee[early, :, None] * knee[late, None, :]
         block += (hip[early] * hip[late])[:, None, None] * np.eye(3)
-        out[:, foot, foot] += block + (fps**2 / GENTLE) ** 2 * np.eye(3)
+        out[:, foot, foot] += block + stiff.foot**2 * np.eye(3)
         out[:, body, body] += block
         out[:, foot, body] -= block
         out[:, body, foot] -= block
-    out[:, body, body] += (fps**2 / (_SHARE * usual.body)) ** 2 * np.eye(3)
+    out[:, body, body] += stiff.body**2 * np.eye(3)
     return out
 
 
@@ -215,4 +274,6 @@ def _solved(here: Array, next_: Array, after: Array, wanted: Array) -> Array:
                 if below >= 0:
                     bands[below, i::size] = blocks[:, i, j]
     found = solveh_banded(bands, wanted.reshape(-1), lower=True, overwrite_ab=True, check_finite=False)
+    if not np.isfinite(found).all():
+        raise np.linalg.LinAlgError(_NONE)
     return np.asarray(found).reshape(frames, size)

@@ -1,0 +1,151 @@
+// Products, turned vectors, logarithms and exponentials of many quaternions. The NumPy twins are in kinesics/geometry/quaternion.py.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include <cmath>
+#include <cstdint>
+#include <initializer_list>
+#include <stdexcept>
+#include <utility>
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace {
+
+// Any strides: columns picked from larger arrays, and 0 where one is repeated.
+using In = nb::ndarray<const double, nb::shape<-1, -1, -1>, nb::device::cpu>;
+using Out = nb::ndarray<double, nb::shape<-1, -1, -1>, nb::c_contig, nb::device::cpu>;
+
+struct Rows {
+    const double *data;
+    std::int64_t outer, inner, step;
+
+    explicit Rows(const In &array) : data(array.data()), outer(array.stride(0)), inner(array.stride(1)), step(array.stride(2)) {}
+
+    template <int Width>
+    void take(std::int64_t i, std::int64_t j, double (&to)[Width]) const {
+        const double *at = data + i * outer + j * inner;
+        for (int n = 0; n < Width; ++n) to[n] = at[n * step];
+    }
+};
+
+void check(const Out &out, std::size_t width, std::initializer_list<std::pair<const In *, std::size_t>> inputs) {
+    bool good = out.shape(2) == width;
+    for (const auto &[array, its] : inputs)
+        good = good && array->shape(0) == out.shape(0) && array->shape(1) == out.shape(1) && array->shape(2) == its;
+    if (!good) throw std::invalid_argument("kinesics._native: shapes of quaternions do not fit");
+}
+
+// each(i, j, to) for every row of the output
+template <class Each>
+void for_rows(const Out &out, const Each &each) {
+    const auto outer = std::int64_t(out.shape(0)), inner = std::int64_t(out.shape(1)), width = std::int64_t(out.shape(2));
+    double *to = out.data();
+    nb::gil_scoped_release release;
+    for (std::int64_t i = 0; i < outer; ++i)
+        for (std::int64_t j = 0; j < inner; ++j, to += width) each(i, j, to);
+}
+
+inline void multiply(const double (&a)[4], const double (&b)[4], double *to) {
+    to[0] = a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3];
+    to[1] = a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2];
+    to[2] = a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1];
+    to[3] = a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0];
+}
+
+inline double length(const double *v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+
+inline void logarithm(const double *q, double *to) {
+    const double sign = q[0] < 0.0 ? -1.0 : 1.0, sine = length(q + 1);
+    // angle / sin(angle / 2) goes to 2
+    const double scale = sine > 1e-150 ? sign * 2.0 * std::atan2(sine, sign * q[0]) / sine : sign * 2.0;
+    for (int n = 0; n < 3; ++n) to[n] = scale * q[n + 1];
+}
+
+void quaternion_products(In a, In b, Out out) {
+    check(out, 4, {{&a, 4}, {&b, 4}});
+    const Rows first(a), second(b);
+    for_rows(out, [&](std::int64_t i, std::int64_t j, double *to) {
+        double p[4], q[4];
+        first.take(i, j, p);
+        second.take(i, j, q);
+        multiply(p, q, to);
+    });
+}
+
+void quaternion_offsets(In a, In b, Out out) {
+    check(out, 3, {{&a, 4}, {&b, 4}});
+    const Rows first(a), second(b);
+    for_rows(out, [&](std::int64_t i, std::int64_t j, double *to) {
+        double p[4], q[4], between[4];
+        first.take(i, j, p);
+        second.take(i, j, q);
+        for (int n = 1; n < 4; ++n) p[n] = -p[n];
+        multiply(p, q, between);
+        logarithm(between, to);
+    });
+}
+
+void quaternion_angles(In a, In b, Out out) {
+    check(out, 1, {{&a, 4}, {&b, 4}});
+    const Rows first(a), second(b);
+    for_rows(out, [&](std::int64_t i, std::int64_t j, double *to) {
+        double p[4], q[4], between[4];
+        first.take(i, j, p);
+        second.take(i, j, q);
+        for (int n = 1; n < 4; ++n) p[n] = -p[n];
+        multiply(p, q, between);
+        *to = 2.0 * std::atan2(length(between + 1), std::abs(between[0]));
+    });
+}
+
+void quaternion_logarithms(In a, Out out) {
+    check(out, 3, {{&a, 4}});
+    const Rows rows(a);
+    for_rows(out, [&](std::int64_t i, std::int64_t j, double *to) {
+        double q[4];
+        rows.take(i, j, q);
+        logarithm(q, to);
+    });
+}
+
+void quaternion_exponentials(In a, Out out) {
+    check(out, 4, {{&a, 3}});
+    const Rows rows(a);
+    for_rows(out, [&](std::int64_t i, std::int64_t j, double *to) {
+        double v[3];
+        rows.take(i, j, v);
+        const double angle = length(v), half = 0.5 * angle;
+        // sin(angle / 2) / angle goes to 1/2
+        const double scale = angle > 1e-150 ? std::sin(half) / angle : 0.5;
+        to[0] = std::cos(half);
+        for (int n = 0; n < 3; ++n) to[n + 1] = scale * v[n];
+    });
+}
+
+void quaternion_turned(In a, In b, Out out) {
+    check(out, 3, {{&a, 4}, {&b, 3}});
+    const Rows turns(a), vectors(b);
+    for_rows(out, [&](std::int64_t i, std::int64_t j, double *to) {
+        double q[4], v[3];
+        turns.take(i, j, q);
+        vectors.take(i, j, v);
+        const double x = 2.0 * (q[2] * v[2] - q[3] * v[1]), y = 2.0 * (q[3] * v[0] - q[1] * v[2]);
+        const double z = 2.0 * (q[1] * v[1] - q[2] * v[0]);
+        to[0] = v[0] + q[0] * x + (q[2] * z - q[3] * y);
+        to[1] = v[1] + q[0] * y + (q[3] * x - q[1] * z);
+        to[2] = v[2] + q[0] * z + (q[1] * y - q[2] * x);
+    });
+}
+
+}  // namespace
+
+void bind_quaternions(nb::module_ &m) {
+    m.def("quaternion_products", &quaternion_products, "a"_a.noconvert(), "b"_a.noconvert(), "out"_a.noconvert());
+    m.def("quaternion_offsets", &quaternion_offsets, "a"_a.noconvert(), "b"_a.noconvert(), "out"_a.noconvert());
+    m.def("quaternion_angles", &quaternion_angles, "a"_a.noconvert(), "b"_a.noconvert(), "out"_a.noconvert());
+    m.def("quaternion_logarithms", &quaternion_logarithms, "a"_a.noconvert(), "out"_a.noconvert());
+    m.def("quaternion_exponentials", &quaternion_exponentials, "a"_a.noconvert(), "out"_a.noconvert());
+    m.def("quaternion_turned", &quaternion_turned, "a"_a.noconvert(), "b"_a.noconvert(), "out"_a.noconvert());
+}
