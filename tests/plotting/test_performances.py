@@ -138,7 +138,8 @@ def test_tiles_are_as_wide_as_is_said(walk: kx.Motion, metres: float, tile: floa
 def test_a_contact_sheet_has_a_figure_a_step_and_its_marks(walk: kx.Motion) -> None:
     """Rows of as many figures as asked for; a mark a transition; cyan as long as what is mirrored."""
     ax = plotting.contact_sheet(walk, transitions=[30, 100], mirrored=[(30, 100)], every=0.5, across=4)
-    assert len([a for a in ax.get_children() if isinstance(a, Ellipse)]) == 10
+    _, heads = ax.collections
+    assert len(heads.get_paths()) == 10
     assert [t.get_text() for t in ax.texts] == ["0 s", "2 s", "4 s"]
     assert len([line for line in ax.lines if line.get_color() == CUT]) == 2
     cyan = [line for line in ax.lines if line.get_color() == MIRRORED]
@@ -159,12 +160,10 @@ def test_no_figure_is_cut_off_at_the_edge(across: int) -> None:
     )
     for motion in (jacks, leaping):
         ax = plotting.contact_sheet(motion, every=0.25, across=across, view="front")
-        bones = [np.concatenate(c.get_segments()) for c in ax.collections if isinstance(c, LineCollection)]
-        heads = [
-            a.get_extents().transformed(ax.transData.inverted()).get_points()
-            for a in ax.get_children()
-            if isinstance(a, Ellipse)
-        ]
+        limbs, skulls = ([np.asarray(p.vertices) for p in c.get_paths()] for c in ax.collections)
+        # a figure's limbs are drawn one after another
+        bones = [np.concatenate(limbs[k : k + len(limbs) // 12]) for k in range(0, len(limbs), len(limbs) // 12)]
+        heads = [np.array([skull.min(axis=0), skull.max(axis=0)]) for skull in skulls]
         assert len(heads) == len(bones) == 12
         points = np.concatenate([*bones, *heads])
         widest = max(np.ptp(b[:, 0]) for b in bones)

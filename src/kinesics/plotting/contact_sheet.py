@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kinesics.errors import InputError
 from kinesics.plotting import canvas
-from kinesics.plotting.stick_figures import Strokes, View, compute_strokes, draw_strokes
+from kinesics.plotting.stick_figures import Placed, Strokes, View, compute_strokes, draw_figures
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -112,8 +112,7 @@ def contact_sheet(
             if start <= cut < end:
                 _cut(ax, floor, _place(float(cut) - start, step))
         ax.text(low[0] - 0.06, floor, f"{start:g} s", fontsize=8, ha="right", va="center", color=canvas.INK)
-    for k, (x, y) in enumerate(spots.tolist()):
-        draw_strokes(ax, strokes, k, (x, y), 1.0, 1.0, line_width)
+    draw_figures(ax, [Placed(strokes, k, (x, y), (1.0, 1.0), line_width) for k, (x, y) in enumerate(spots.tolist())])
     ax.set_axis_off()
     said = (
         "Every figure "

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from kinesics.grammar import notation
 from kinesics.grammar.graph import MotionGraph, State
@@ -19,12 +19,10 @@ from kinesics.plotting.graph_curves import Arrow, Curve, curves_of, directions_a
 from kinesics.plotting.graph_labels import half_size, label_text, plain_labels
 from kinesics.plotting.graph_layout import Place, lay_out, widest_gap
 from kinesics.plotting.graph_moments import Moment
-from kinesics.plotting.stick_figures import View, compute_strokes, draw_strokes
+from kinesics.plotting.stick_figures import Placed, Strokes, View, draw_figures, strokes_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-    from kinesics.body.motion import Motion
 
 Array = NDArray[np.float64]
 
@@ -150,6 +148,11 @@ def _draw_states(
     everyone = np.array(list(where.values())).reshape(-1, 2)
     boxes: list[tuple[Array, tuple[float, float]]] = []
     size = float(np.clip(0.2 * cell, 4.5, 20.0))
+    seen = [s.id for s in states if s.id in figures]
+    drawn = dict(
+        zip(seen, strokes_of([(m, [frame]) for m, frame in (figures[k] for k in seen)], view=view), strict=True)
+    )
+    bodies: list[Placed] = []
     for state in states:
         x, y = (float(v) for v in where[state.id])
         unseen = figures and state.id not in figures
@@ -179,7 +182,7 @@ def _draw_states(
             )
             continue
         if state.id in figures:
-            _draw_figure(ax, *figures[state.id], (x, y), radius, view, cell)
+            bodies.append(_figure(drawn[state.id], (x, y), radius, cell))
         angles = directions_at(curves, state.id, where[state.id], everyone, radius)
         preferred = 1.25 * np.pi if side_of(state) <= 0 else 1.75 * np.pi
         angle = widest_gap(angles, preferred)
@@ -197,20 +200,18 @@ def _draw_states(
             zorder=4,
             bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8, "alpha": 0.85},
         )
+    draw_figures(ax, bodies)
     return boxes
 
 
-def _draw_figure(
-    ax: Axes, motion: Motion, frame: int, centre: tuple[float, float], radius: float, view: View, cell: float
-) -> None:
-    strokes = compute_strokes(motion, [frame], view=view)
+def _figure(strokes: Strokes, centre: tuple[float, float], radius: float, cell: float) -> Placed:
     points = strokes.segments[0].reshape(-1, 2)
     top = max(float(points[:, 1].max()), float(strokes.head_centres[0, 1] + strokes.head_radius))
     low, high = points.min(axis=0), np.array([points[:, 0].max(), top])
     scale = 1.62 * radius / max(float(np.hypot(*(high - low))), 1.2)
     middle = 0.5 * (low + high) * scale
     origin = (centre[0] - float(middle[0]), centre[1] - float(middle[1]))
-    draw_strokes(ax, strokes, 0, origin, scale, 1.0, float(np.clip(cell / 75.0, 0.5, 2.2)))
+    return Placed(strokes, 0, origin, (scale, scale), float(np.clip(cell / 75.0, 0.5, 2.2)))
 
 
 def _draw_labels(
@@ -234,16 +235,13 @@ def _draw_labels(
         text = label_text(curve.arrow.label, index=index)
         half = half_size(text, size / cell)
         others = np.concatenate([np.zeros((0, 2)), *(p for k, p in enumerate(lines) if k != number)])
-        best, least = curve.points[len(curve.points) // 2], np.inf
-        for spot, cost in _label_places(curve, half, head):
-            cost += float(_inside(points, spot, (half[0] + 0.85 * radius, half[1] + 0.85 * radius)).sum())
-            cost += 0.12 * min(float(_inside(others, spot, half).sum()), 8.0)
-            for centre, size_there in boxes:
-                both = np.add(half, size_there)
-                cost += 3.0 * float(_inside(centre[None], spot, both).sum())
-                cost += 0.4 * float(_inside(centre[None], spot, 1.2 * both).sum())
-            if cost < least:
-                best, least = spot, cost
+        spots, cost = _label_places(curve, half, head)
+        cost = cost + _inside(points, spots, np.add(half, 0.85 * radius)).sum(axis=1)
+        cost += 0.12 * np.minimum(_inside(others, spots, half).sum(axis=1), 8.0)
+        both = np.array([size_there for _, size_there in boxes]).reshape(-1, 2) + half
+        centres = np.array([centre for centre, _ in boxes]).reshape(-1, 2)
+        cost += 3.0 * _inside(centres, spots, both).sum(axis=1) + 0.4 * _inside(centres, spots, 1.2 * both).sum(axis=1)
+        best = spots[int(np.argmin(np.round(cost, 9)))]
         boxes.append((best, half))
         ink = canvas.FAINT if curve.arrow.dotted else canvas.INK
         ax.text(
@@ -260,8 +258,8 @@ def _draw_labels(
         )
 
 
-def _label_places(curve: Curve, half: tuple[float, float], head: float) -> list[tuple[Array, float]]:
-    """Where the label of an arrow may stand, and how much less good than on its middle that is.
+def _label_places(curve: Curve, half: tuple[float, float], head: float) -> tuple[Array, Array]:
+    """Where the label of an arrow may stand (n, 2), and how much less good than on its middle that is (n,).
 
     On the line, where that leaves enough of it to be seen; beside it otherwise; outside a loop.
     """
@@ -272,7 +270,7 @@ def _label_places(curve: Curve, half: tuple[float, float], head: float) -> list[
         outward = apex - 0.5 * (points[0] + points[-1])
         outward /= max(float(np.linalg.norm(outward)), 1e-9)
         reach = abs(outward[0]) * half[0] + abs(outward[1]) * half[1]
-        return [(apex + outward * (reach + 0.03), 0.0)]
+        return (apex + outward * (reach + 0.03))[None], np.zeros(1)
     length = float(np.hypot(*np.diff(points, axis=0).T).sum()) - head * (1 + curve.arrow.both_ways)
     out: list[tuple[Array, float]] = []
     for at in (0.5, 0.46, 0.54, 0.42, 0.58, 0.38, 0.62, 0.34, 0.66, 0.3, 0.7, 0.26, 0.74, 0.2, 0.8):
@@ -290,8 +288,12 @@ def _label_places(curve: Curve, half: tuple[float, float], head: float) -> list[
             normal = normal if wanted >= 0.0 else -normal
             reach = abs(normal[0]) * half[0] + abs(normal[1]) * half[1] + 0.03
             out += [(points[k] + normal * reach, price + 0.1), (points[k] - normal * reach, price + 0.15)]
-    return out
+    if not out:
+        return points[count // 2][None], np.zeros(1)
+    return np.array([spot for spot, _ in out]), np.array([price for _, price in out])
 
 
-def _inside(points: Array, centre: Array, half: tuple[float, float] | Array) -> NDArray[np.bool_]:
-    return np.asarray((np.abs(points - centre) < np.asarray(half)).all(axis=1))
+def _inside(points: Array, centres: Array, half: ArrayLike) -> NDArray[np.bool_]:
+    """Whether each point (n, 2) is in a box of half size ``half``, one for all or (n, 2), about each centre; (centres, n)."""
+    off = np.abs(points - centres[:, None]) < half
+    return np.asarray(off[..., 0] & off[..., 1])

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import functools
 import re
 from collections import Counter
 from collections.abc import Sequence
 from typing import Final
+
+import numpy as np
 
 from kinesics.grammar import notation
 
@@ -45,8 +48,20 @@ def plain_labels(labels: Sequence[str]) -> set[str]:
 
 def half_size(text: str, size: float) -> tuple[float, float]:
     """Half of the width and of the height of a text as long as ``size`` is high, with a little room."""
+    width, height = _extent(text)
+    return (0.5 * width + 0.08) * size, (0.5 * height + 0.08) * size
+
+
+@functools.lru_cache(maxsize=4096)
+def _extent(text: str) -> tuple[float, float]:
+    """Width and height of a text of size 1."""
     from matplotlib.font_manager import FontProperties
+    from matplotlib.path import Path
     from matplotlib.textpath import TextPath
 
-    box = TextPath((0.0, 0.0), text, size=20.0, prop=FontProperties(style="italic")).get_extents()
-    return (0.5 * box.width / 20.0 + 0.08) * size, (0.5 * box.height / 20.0 + 0.08) * size
+    outline = TextPath((0.0, 0.0), text, size=20.0, prop=FontProperties(style="italic"))
+    assert outline.codes is not None
+    # letters have points at their extremes: curves need not be followed
+    points = np.asarray(outline.vertices)[outline.codes != Path.CLOSEPOLY]
+    wide, high = np.ptp(points, axis=0) / 20.0 if len(points) else (0.0, 0.0)
+    return float(wide), float(high)

@@ -6,19 +6,21 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinesics.body.mirroring import mirror
 from kinesics.errors import InputError
 from kinesics.grammar.graph import MotionGraph, Occurrence, Path, ends_of
 from kinesics.plotting import canvas
 from kinesics.plotting.graph_labels import half_size, label_text, plain_labels
-from kinesics.plotting.stick_figures import View, compute_strokes, draw_strokes
+from kinesics.plotting.stick_figures import Placed, View, draw_figures, strokes_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from kinesics.body.motion import Motion
 
+Indices = NDArray[np.intp]
 Moment = tuple["Motion", int]
 """A motion and one of its frames."""
 
@@ -111,15 +113,12 @@ def path_strips(
     pixels = canvas.pixel_size(ax)
     cell = (pixels[0] / columns, pixels[1] / rows)
     plain = plain_labels([p.label for p in graph.paths])
-    for number, (path, occurrence, image) in enumerate(shown):
+    figures: list[Placed] = []
+    drawn = strokes_of([_moments(motions, o, image, moments) for _, o, image in shown], view=view)
+    for number, ((path, occurrence, _), strokes) in enumerate(zip(shown, drawn, strict=True)):
         row, column = divmod(number, columns)
         twin = graph.path(path.mirror_of) if path.mirror_of not in (None, path.id) else None
-        frames = np.rint(np.linspace(occurrence.start, occurrence.end - 1, moments)).astype(np.intp)
-        if occurrence.reversed:
-            frames = frames[::-1]
         motion = motions[occurrence.source]
-        part = motion[int(frames.min()) : int(frames.max()) + 1]
-        strokes = compute_strokes(mirror(part) if image else part, frames - frames.min(), view=view)
         tops = (strokes.head_centres[:, 1] + strokes.head_radius).max()
         low = float(strokes.segments[..., 1].min())
         high = max(float(strokes.segments[..., 1].max()), float(tops))
@@ -132,7 +131,7 @@ def path_strips(
         for k in reversed(range(moments)):
             strength = 1.0 - 0.78 * k / max(1, moments - 1)
             spot = (column + float(places[k]), -row - 0.95 - low * up)
-            draw_strokes(ax, strokes, k, spot, (across, up), strength, width, grey=True)
+            figures.append(Placed(strokes, k, spot, (across, up), width, strength, grey=True))
         # what is said stands above the figures, where they cannot reach
         size = float(np.clip(0.12 * cell[1] * 72.0 / ax.figure.dpi, 6.0, 13.0))
         line: dict[str, Any] = {"ha": "left", "va": "center_baseline"}
@@ -145,9 +144,22 @@ def path_strips(
             taken += f" and {len(twin.occurrences)}× mirrored"
         remark = f"{arrow}  {(occurrence.end - occurrence.start) / motion.fps:.1f} s, {taken}"
         ax.text(beside, -row - 0.11, remark, fontsize=0.7 * size, color=canvas.FAINT, **line)
+    draw_figures(ax, figures)
     if not shown:
         ax.text(0.5, -0.5, "no paths", ha="center", va="center", color=canvas.FAINT)
     return ax
+
+
+def _moments(motions: Sequence[Motion], occurrence: Occurrence, image: bool, moments: int) -> tuple[Motion, Indices]:
+    """The poses of a strip: of which motion, and which of its frames."""
+    frames = np.rint(np.linspace(occurrence.start, occurrence.end - 1, moments)).astype(np.intp)
+    if occurrence.reversed:
+        frames = frames[::-1]
+    motion = motions[occurrence.source]
+    if not image:
+        return motion, frames
+    first = int(frames.min())
+    return mirror(motion[first : int(frames.max()) + 1]), frames - first
 
 
 def _typical(graph: MotionGraph, path: Path) -> tuple[Occurrence | None, bool]:

@@ -11,7 +11,7 @@ from kinesics.analysis.facts import Motif, MotifMember
 from kinesics.errors import InputError
 from kinesics.plotting import canvas
 from kinesics.plotting.palettes import find_palette
-from kinesics.plotting.stick_figures import View, compute_strokes, draw_strokes
+from kinesics.plotting.stick_figures import Placed, View, compute_strokes, draw_figures
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -123,9 +123,14 @@ def _figures(
     across, up = metre / pixels[0], metre / pixels[1]
     places = np.linspace(0.1, _FIGURES - 0.03, _POSES)
     line = float(np.clip(0.012 * pixels[1] * 72.0 / ax.figure.dpi, 0.6, 1.6))
-    for k in reversed(range(_POSES)):
-        spot = (float(places[k]), -row - 0.94 - low * up)
-        draw_strokes(ax, strokes, k, spot, (across, up), 1.0 - 0.75 * k / (_POSES - 1), line, grey=True)
+    base = -row - 0.94 - low * up
+    draw_figures(
+        ax,
+        [
+            Placed(strokes, k, (float(places[k]), base), (across, up), line, 1.0 - 0.75 * k / (_POSES - 1), grey=True)
+            for k in reversed(range(_POSES))
+        ],
+    )
     lasts = (member.end - member.start) / motion.fps
     ax.text(0.005, -row - 0.4, str(row + 1), fontsize=11, ha="left", va="center", color=canvas.INK)
     ax.text(0.005, -row - 0.68, f"{lasts:.1f} s", fontsize=8, ha="left", va="center", color=canvas.FAINT)

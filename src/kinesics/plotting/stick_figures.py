@@ -18,6 +18,7 @@ from kinesics.plotting import canvas
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.path import Path
 
     from kinesics.body.motion import Motion
     from kinesics.body.skeleton import Skeleton
@@ -81,7 +82,7 @@ def stick_figure(
     if ax is None:
         ax = canvas.own_axes(3.2, 4.2, rect=(0.02, 0.02, 0.96, 0.96))
     strokes = compute_strokes(motion, [frame % motion.frame_count], view=view, turned=turned)
-    draw_strokes(ax, strokes, 0, (0.0, 0.0), 1.0, strength=1.0, line_width=3.0)
+    draw_figures(ax, [Placed(strokes, 0, (0.0, 0.0), (1.0, 1.0), line_width=3.0)])
     _frame_figures(ax)
     return ax
 
@@ -132,10 +133,15 @@ def stick_figure_row(
     metre = height / max(high - low, 1e-9)  # pixels
     across, up = metre / pixels[0], metre / pixels[1]
     line_width = float(np.clip(0.0125 * height * 72.0 / ax.figure.dpi, 0.7, 3.0))
-    for spot, rows in zip(places, place, strict=True):
-        for layer in reversed(range(layers)):
-            strength = 1.0 if layers == 1 else 1.0 - 0.62 * layer / (layers - 1)
-            draw_strokes(ax, strokes, int(rows[layer]), (float(spot), -low * up), (across, up), strength, line_width)
+    strengths = [1.0 if layers == 1 else 1.0 - 0.62 * layer / (layers - 1) for layer in range(layers)]
+    draw_figures(
+        ax,
+        [
+            Placed(strokes, int(rows[layer]), (float(spot), -low * up), (across, up), line_width, strengths[layer])
+            for spot, rows in zip(places, place, strict=True)
+            for layer in reversed(range(layers))
+        ],
+    )
     ax.set_xlim(0.0, 1.0)
     ax.set_ylim(-0.03, 1.03)
     ax.set_axis_off()
@@ -199,6 +205,23 @@ def compute_strokes(motion: Motion, frames: ArrayLike, *, view: View = "three-qu
         head_radius=float(radius),
         limbs=_limbs(starts, ends, list(zip(side_of, widths, strict=True))),
     )
+
+
+def strokes_of(parts: Sequence[tuple[Motion, ArrayLike]], *, view: View = "three-quarter") -> list[Strokes]:
+    """As `compute_strokes`, of several motions and frames of each: what is of one motion is computed at once."""
+    wanted = [np.asarray(frames, dtype=np.intp) for _, frames in parts]
+    of_motion: dict[int, list[int]] = {}
+    for number, (motion, _) in enumerate(parts):
+        of_motion.setdefault(id(motion), []).append(number)
+    found: dict[int, Strokes] = {}
+    for numbers in of_motion.values():
+        together = compute_strokes(parts[numbers[0]][0], np.concatenate([wanted[k] for k in numbers]), view=view)
+        ends = np.cumsum([0, *(len(wanted[k]) for k in numbers)])
+        for k, start, end in zip(numbers, ends, ends[1:], strict=False):
+            found[k] = together._replace(
+                segments=together.segments[start:end], head_centres=together.head_centres[start:end]
+            )
+    return [found[k] for k in range(len(parts))]
 
 
 def _limbs(starts: Sequence[int], ends: Sequence[int], looks: Sequence[object]) -> tuple[tuple[int, ...], ...]:
@@ -284,65 +307,112 @@ def head_radius_of(skeleton: Skeleton, body: anatomy.Anatomy) -> float:
     return 0.5 * 0.13 / 0.245 * thigh
 
 
-def draw_strokes(
-    ax: Axes,
-    strokes: Strokes,
-    row: int,
-    origin: tuple[float, float],
-    scale: tuple[float, float] | float,
-    strength: float,
-    line_width: float,
-    *,
-    grey: bool = False,
-) -> None:
-    """One figure as one collection of lines and one circle.
+class Placed(NamedTuple):
+    """A figure and where it goes."""
 
-    Parameters
-    ----------
-    row : which of the frames of ``strokes``.
-    origin, scale : where the pelvis' ground point goes, and how long a metre is, in the units of ``ax``.
-    strength : 1 full ink, 0 paper.
-    line_width : points.
-    grey : both sides of the body in black ink.
+    strokes: Strokes
+    row: int
+    """Which of the frames of ``strokes``."""
+    origin: tuple[float, float]
+    """Where the pelvis' ground point goes, in the units of the axes."""
+    scale: tuple[float, float]
+    """How long a metre is, across and up, in the units of the axes."""
+    line_width: float
+    """Points."""
+    strength: float = 1.0
+    """1 full ink, 0 paper."""
+    grey: bool = False
+    """Both sides of the body in black ink."""
+
+
+def draw_figures(ax: Axes, figures: Sequence[Placed]) -> None:
+    """Figures, those that come later over the earlier ones, and all heads over the lines.
+
+    All lines are one collection and all heads another: a page has hundreds of figures, and matplotlib takes longer to make an
+    artist than to draw it.
     """
-    from matplotlib.collections import LineCollection
+    from matplotlib.collections import PathCollection
+
+    lines: list[_Look] = []
+    heads: list[_Look] = []
+    for figure in figures:
+        lines += _lines_of(figure)
+        heads += _head_of(figure)
+    for looks, zorder in ((lines, 2.0), (heads, 2.1)):
+        if looks:
+            drawn = PathCollection(
+                [look.path for look in looks],
+                facecolors="none" if looks is lines else "white",
+                edgecolors=[look.ink for look in looks],
+                linewidths=[look.width for look in looks],
+                capstyle="round",
+                joinstyle="round",
+                zorder=zorder,
+            )
+            # what it covers is known: matplotlib takes long to find out
+            ax.add_collection(drawn, autolim=False)
+            ax.update_datalim(np.concatenate([look.path.vertices for look in looks]))
+
+
+class _Look(NamedTuple):
+    path: Path
+    ink: Array
+    """Red, green and blue."""
+    width: float
+
+
+def _lines_of(figure: Placed) -> list[_Look]:
+    """Each limb, or all in one where they have one ink."""
+    from matplotlib.path import Path
+
+    strokes = figure.strokes
+    bones = strokes.segments[figure.row] * figure.scale + figure.origin
+    lines = [np.concatenate([bones[limb[0], :1], bones[list(limb), 1]]) for limb in strokes.limbs]
+    firsts = [limb[0] for limb in strokes.limbs]
+    width = figure.line_width
+    if not figure.grey:
+        ink = {"left": canvas.LEFT, "right": canvas.RIGHT, "": canvas.INK}
+        return [
+            _Look(Path(line), _faded(ink[strokes.sides[k]], figure.strength), width * strokes.widths[k])
+            for line, k in zip(lines, firsts, strict=True)
+        ]
+    together: dict[float, list[Array]] = {}
+    for line, k in zip(lines, firsts, strict=True):
+        together.setdefault(strokes.widths[k], []).append(line)
+    ink_now = _faded(canvas.INK, figure.strength)
+    return [
+        _Look(Path(np.concatenate(those), _codes([len(line) for line in those])), ink_now, width * share)
+        for share, those in together.items()
+    ]
+
+
+def _head_of(figure: Placed) -> list[_Look]:
+    """One, or none where the head is not known."""
+    from matplotlib.path import Path
+
+    strokes = figure.strokes
+    if strokes.head_radius <= 0.0:
+        return []
+    centre = strokes.head_centres[figure.row] * figure.scale + figure.origin
+    circle = Path.unit_circle()
+    path = Path(np.asarray(circle.vertices) * (strokes.head_radius * np.asarray(figure.scale)) + centre, circle.codes)
+    return [_Look(path, _faded(canvas.INK, figure.strength), figure.line_width)]
+
+
+def _codes(lengths: Sequence[int]) -> NDArray[np.uint8]:
+    """Of a path of several lines: what is done at each of its points."""
+    from matplotlib.path import Path
+
+    codes = np.full(sum(lengths), Path.LINETO, dtype=np.uint8)
+    codes[np.cumsum([0, *lengths[:-1]])] = Path.MOVETO
+    return codes
+
+
+def _faded(colour: str, strength: float) -> Array:
+    """Ink mixed with paper rather than transparent: overlaid lines then do not add up to dark spots."""
     from matplotlib.colors import to_rgb
-    from matplotlib.patches import Ellipse
 
-    factor = np.broadcast_to(np.asarray(scale, dtype=np.float64), (2,))
-    shift = np.asarray(origin)
-    ink = {"left": canvas.INK if grey else canvas.LEFT, "right": canvas.INK if grey else canvas.RIGHT, "": canvas.INK}
-
-    def faded(colour: str) -> tuple[float, float, float]:
-        # mixed with paper rather than transparent: overlaid lines then do not add up to dark spots
-        red, green, blue = (1.0 - strength * (1.0 - v) for v in to_rgb(colour))
-        return red, green, blue
-
-    bones = strokes.segments[row] * factor + shift
-    lines = LineCollection(
-        [np.concatenate([bones[limb[0], :1], bones[list(limb), 1]]) for limb in strokes.limbs],
-        colors=[faded(ink[strokes.sides[limb[0]]]) for limb in strokes.limbs],
-        linewidths=[line_width * strokes.widths[limb[0]] for limb in strokes.limbs],
-        capstyle="round",
-        joinstyle="round",
-    )
-    # what it covers is known: matplotlib takes long to find out
-    ax.add_collection(lines, autolim=False)
-    ax.update_datalim(bones.reshape(-1, 2))
-    if strokes.head_radius > 0.0:
-        radius = strokes.head_radius * factor
-        centre = strokes.head_centres[row] * factor + shift
-        head = Ellipse(
-            (float(centre[0]), float(centre[1])),
-            2.0 * float(radius[0]),
-            2.0 * float(radius[1]),
-            facecolor="white",
-            edgecolor=faded(canvas.INK),
-            linewidth=line_width,
-            zorder=2.1,
-        )
-        ax.add_artist(head)
-        ax.update_datalim([centre - radius, centre + radius])
+    return 1.0 - strength * (1.0 - np.array(to_rgb(colour)))
 
 
 def _frame_figures(ax: Axes) -> None:
