@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from kinesics.body.pose import PoseSequence
 from kinesics.geometry import quaternion
 from kinesics.similarity import Weights, check_weights, chord, distance
-from kinesics.similarity.metric import paired_distance
+from kinesics.similarity.metric import Frames, paired_distance
 
 Array = NDArray[np.float64]
 
@@ -173,16 +173,18 @@ def _pace(poses: PoseSequence, epsilon: float, weights: Array) -> float | None:
     Each step begins where the last one ended and ends at the first moment further than epsilon away. Its speed is that of its
     second half: a stay at its beginning then takes no part, however long it was.
     """
-    q = poses.quaternions
+    frames = Frames(poses.quaternions, weights)
+    last = len(poses) - 1
     lengths: list[float] = []
     speeds: list[float] = []
     here = 0
-    while here < len(q) - 1:
+    while here < last:
         ahead = 16
         while True:
-            distances = _apart(q[here : here + 1 + ahead], q[here : here + 1], weights)
+            end = min(here + ahead, last) + 1
+            distances = chord(frames.distance_from(here, here, end))
             beyond = distances > epsilon
-            if beyond.any() or here + 1 + ahead >= len(q):
+            if beyond.any() or end > last:
                 break
             ahead *= 4
         if not beyond.any():
@@ -200,8 +202,8 @@ def _pace(poses: PoseSequence, epsilon: float, weights: Array) -> float | None:
 
 
 def _apart(a: Array, b: Array, weights: Array) -> Array:
-    """√(2D) between frame k of both; one frame of ``b`` is compared with every frame of ``a``."""
-    return chord(paired_distance(a, np.broadcast_to(b, a.shape), weights))
+    """√(2D) between frame k of both."""
+    return chord(paired_distance(a, b, weights))
 
 
 def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:

@@ -9,6 +9,8 @@ D is half a squared chord and no metric (the dissertation's fourth axiom fails);
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -89,15 +91,49 @@ def paired_distance(a: Poses, b: Poses, weights: Weights | None = None) -> Array
     q, g, share = check_poses(a, "a").quaternions, check_poses(b, "b").quaternions, check_weights(weights)
     if len(q) != len(g):
         raise InputError(f"Expected `a` and `b` of as many frames, got {len(q)} and {len(g)}.")
-    return _paired(q, g, share)
+    return _paired(_Checked.of(q), _Checked.of(g), share)
 
 
-def _paired(a: Array, b: Array, weights: Array) -> Array:
-    minus, plus = a - b, a + b
+class Frames:
+    """The poses of a recording, checked once, to be compared a few at a time: as `paired_distance`, for many short calls.
+
+    Raises
+    ------
+    InputError
+        If poses or weights cannot be used.
+    """
+
+    def __init__(self, poses: Poses, weights: Weights | None = None) -> None:
+        self._poses = _Checked.of(check_poses(poses).quaternions)
+        self._share = check_weights(weights)
+
+    def distance_from(self, frame: int, start: int, end: int) -> Array:
+        """D of one frame and each of the frames [start, end), shape (end − start,)."""
+        return _paired(self._poses.part(start, end), self._poses.part(frame, frame + 1), self._share)
+
+
+class _Checked(NamedTuple):
+    """What D is made of."""
+
+    quaternions: Array
+    """Unit, shape (frames, 15, 4)."""
+    gravity: Array
+    """In the frame of the pelvis, shape (frames, 3)."""
+
+    @classmethod
+    def of(cls, q: Array) -> _Checked:
+        return cls(q, pose.gravity(q))
+
+    def part(self, start: int, end: int) -> _Checked:
+        return _Checked(self.quaternions[start:end], self.gravity[start:end])
+
+
+def _paired(a: _Checked, b: _Checked, weights: Array) -> Array:
+    """D of each frame of ``a`` and that of ``b``, or the only one of ``b``."""
+    minus, plus = a.quaternions - b.quaternions, a.quaternions + b.quaternions
     chords = np.minimum(np.einsum("fji,fji->fj", minus, minus), np.einsum("fji,fji->fj", plus, plus))
-    down_a, down_b = pose.gravity(a), pose.gravity(b)
-    sine = np.linalg.norm(down_a - down_b, axis=-1) / 2.0  # of half the angle between the two
-    cosine = np.linalg.norm(down_a + down_b, axis=-1) / 2.0
+    sine = np.linalg.norm(a.gravity - b.gravity, axis=-1) / 2.0  # of half the angle between the two
+    cosine = np.linalg.norm(a.gravity + b.gravity, axis=-1) / 2.0
     root = sine**2 / (1.0 + cosine)
     share = weights / weights.sum()
     return np.asarray(share[0] * root + 0.5 * (chords[:, 1:] @ share[1:]))
@@ -135,7 +171,8 @@ def speed(poses: Poses, *, fps: float | None = None, weights: Weights | None = N
     q = checked.quaternions
     out = np.zeros(len(q))
     if len(q) > 1:
-        out[1:] = chord(_paired(q[1:], q[:-1], check_weights(weights))) * rate
+        every = _Checked.of(q)
+        out[1:] = chord(_paired(every.part(1, len(q)), every.part(0, len(q) - 1), check_weights(weights))) * rate
         out[0] = out[1]
     return out
 
@@ -159,4 +196,4 @@ def symmetry_residual(poses: Poses, weights: Weights | None = None) -> Array:
     [Schultz2012] §2.11, §2.14, §3.3.
     """
     q = check_poses(poses).quaternions
-    return _paired(q, pose.mirror(q), check_weights(weights))
+    return _paired(_Checked.of(q), _Checked.of(pose.mirror(q)), check_weights(weights))
