@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
+import kinesics as kx
 from floor_networks import walker
+from kinesics.body.motion import Motion
+from kinesics.errors import InputError
 from kinesics.synthesis.goals import (
     Goal,
     Heading,
+    Measured,
     MovingTarget,
     Novelty,
     OwnFeature,
@@ -21,8 +27,10 @@ from kinesics.synthesis.goals import (
     TrailPursuit,
 )
 from kinesics.synthesis.goals.favours import SOON
-from kinesics.synthesis.network import Network
+from kinesics.synthesis.goals.measured import _Measured
+from kinesics.synthesis.network import Network, network
 from kinesics.synthesis.prospects import prospects
+from kinesics.synthesis.repertoire import repertoire
 
 AHEAD, STAND = 0, 3
 
@@ -94,3 +102,55 @@ def test_misses_are_counted_in_spreads() -> None:
     off = np.angle(np.exp(1j * (0.5 + trail.headings.astype(np.float64) - 1.2)))
     expected = np.mean(off**2, axis=1) / np.var(trail.headings[:, -1])
     np.testing.assert_allclose(Heading(1.2).pursuit(walker(), ready).miss(rows, now, 0.0), expected, rtol=1e-4)
+
+
+def _hands(motion: Motion) -> NDArray[np.float64]:
+    """How high the left hand is."""
+    return np.asarray(motion.positions()[:, motion.skeleton.find("LeftHand"), 1])
+
+
+@pytest.fixture(scope="module")
+def kata() -> Motion:
+    return kx.performer.kata(fps=30).motion
+
+
+def test_what_is_measured_is_the_mean_over_each_path_and_its_mirror_image(kata: Motion) -> None:
+    """Said the long way, frame by frame of the recording and of its image."""
+    net = network(repertoire(kata, backwards=True))
+    got = _Measured(Measured(_hands, 1.0)).values(net)
+    for path in range(len(net)):
+        frames = [net.repertoire.frame_of(net.repertoire.advance(net.first[path], k)) for k in range(net.length[path])]
+        image = net.repertoire.motion(0, int(net.strand[path]) % 2)
+        assert got[path, 0] == pytest.approx(_hands(image)[frames].mean())
+
+
+def test_hands_are_held_as_high_as_is_wished_for(kata: Motion) -> None:
+    """A function of a motion is all that a goal of one's own needs; the wish may change with time."""
+    low, high = (np.median(_hands(kx.perform(kata, goal=Measured(_hands, y), seconds=8, seed=1))) for y in (0.8, 1.8))
+    assert high > low + 0.2
+    changing = Measured(_hands, lambda now: 1.8 if now.time < 10.0 else 0.8)
+    heights = _hands(kx.perform(kata, goal=changing, seconds=20, seed=1))
+    assert np.median(heights[:300]) > np.median(heights[300:]) + 0.2
+
+
+@pytest.mark.parametrize(
+    ("measure", "told"),
+    [
+        (lambda m: 1.0, r"got float\."),
+        (lambda m: np.ones(3), r"of shape \(3,\)\."),
+        (lambda m: ["high"] * m.frame_count, r"got list\."),
+        (lambda m: np.full(m.frame_count, np.nan), "with NaN"),
+    ],
+)
+def test_a_measure_that_gives_no_numbers_is_refused(kata: Motion, measure: Any, told: str) -> None:
+    """What was expected and what came."""
+    with pytest.raises(InputError, match=told):
+        kx.perform(kata, goal=Measured(measure, 1.0), seconds=2)
+
+
+def test_a_measure_is_a_function_and_its_wish_has_its_dimensions(kata: Motion) -> None:
+    """Both said before anything is performed."""
+    with pytest.raises(InputError, match="function of a motion"):
+        Measured(1.0, 1.0)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="`wish` of Measured to be 1 finite"):
+        kx.perform(kata, goal=Measured(_hands, [1.0, 2.0]), seconds=2)

@@ -32,6 +32,9 @@ DETOURS: Final = (3.0, 5.0)
 inside that turn: whoever goes round it at arm's length would go round it for ever."""
 AIMS: Final = 3
 """Times that a way is drawn anew where it leads to the target but, with the feet kept in place, the body goes beside it."""
+PATIENT: Final = 4
+"""Ways drawn before others may take longer, where no time was asked for."""
+MORE_TIME: Final = 2.0
 MOST_BEND: Final = 20.0
 """Degrees a metre, to which the way may be bent on further attempts."""
 
@@ -71,7 +74,7 @@ def best_attempt(
     ----------
     seconds, seed, finish, beta, bend, start, ahead : as of `kinesics.synthesis.controller.perform_paths`.
     again : whether, where the first does not lead there, others are drawn.
-    more_time : whether detours may take longer than ``seconds``.
+    more_time : whether the later ways and detours may take longer than ``seconds``.
     progress : called with the share done.
     """
     drift = 1.0 + 0.0j
@@ -92,7 +95,11 @@ def best_attempt(
             done = performed(net, course)
             return Attempt(course, bent, via, done, wish.miss(trail_of(done), True))
         expected = (course.ground @ [1j, 1.0]) * drift
-        return Attempt(course, bent, via, None, wish.miss(np.stack([expected.imag, expected.real], axis=1), False))
+        miss = wish.miss(np.stack([expected.imag, expected.real], axis=1), False)
+        if any(miss) or not finish:
+            return Attempt(course, bent, via, None, miss)
+        done = _until_there(performed(net, course), wish)
+        return Attempt(course, bent, via, done, wish.miss(trail_of(done), False))
 
     bends = [min(sharper * bend, max(bend, MOST_BEND)) for sharper in (SHARPER if again else SHARPER[:1])]
     radii = [0.0] * len(bends)
@@ -101,7 +108,7 @@ def best_attempt(
         radii += DETOURS
     best: Attempt | None = None
     for number, (bent, radius) in enumerate(zip(bends, radii, strict=True)):
-        via, most = None, seconds
+        via, most = None, seconds * (MORE_TIME if more_time and number >= PATIENT else 1.0)
         if radius and best is not None:
             gone = radius / (1.0 / ahead.turning + math.radians(bent))
             via = _ahead(best, wish, gone)
@@ -119,6 +126,15 @@ def best_attempt(
             break
     assert best is not None
     return best
+
+
+def _until_there(done: Performance, wish: Wish) -> Performance:
+    """To the end of the path on which the last place is reached: nearer than it was decided to go to, it was gone by."""
+    there = visits(trail_of(done), wish.places, wish.radius)
+    if len(there) < len(wish.places):
+        return done
+    step = done.provenance.step
+    return _first(done, int(np.searchsorted(step, step[there[-1]], side="right")))
 
 
 def _ahead(best: Attempt, wish: Wish, metres: float) -> Detour:

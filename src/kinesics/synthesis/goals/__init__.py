@@ -5,19 +5,22 @@ and something that is wished now. So that β means the same whatever the feature
 feature's spread (standard deviation) over all that may be chosen: β = 1 makes a path one spread from the wish e times rarer
 than one right on it.
 
-A feature of your own needs two methods, `Feature`. The goals here know composites too (`kinesics.synthesis.prospects`): places
-along a trail, turned from the performer's heading into the world ([Schultz2012] §4.4.1 with the correction that the
-displacement turns with the performer, and that a far target counts as one within reach in the same direction).
+A feature of your own is a function of a motion in `Measured`, or, where paths are to be judged as such, an object of two
+methods, `Feature`. The goals here know composites too (`kinesics.synthesis.prospects`): places along a trail, turned from the
+performer's heading into the world ([Schultz2012] §4.4.1 with the correction that the displacement turns with the performer,
+and that a far target counts as one within reach in the same direction).
 
 - to a place: `Target`, several `Targets`, a `MovingTarget` (places.py)
 - along a line: `Route` (routes.py)
 - how: `Heading`, `Speed` (manner.py)
+- by anything you can measure in a motion: `Measured` (measured.py)
 - by which paths: `Favour`, `Novelty`, `Economy`, `OwnFeature` (favours.py)
 - from state to state: `StateToState` (states.py)
 """
 
 from kinesics.synthesis.goals.favours import Economy, Favour, Novelty, OwnFeature
 from kinesics.synthesis.goals.manner import Heading, Speed
+from kinesics.synthesis.goals.measured import Measured
 from kinesics.synthesis.goals.naming import paths_of, states_of
 from kinesics.synthesis.goals.places import RADIUS, MovingTarget, Target, Targets, ToPlaces
 from kinesics.synthesis.goals.pursuit import Feature, Goal, Pursuit, Situation, TrailPursuit
@@ -31,6 +34,7 @@ __all__ = [
     "Feature",
     "Goal",
     "Heading",
+    "Measured",
     "MovingTarget",
     "Novelty",
     "OwnFeature",

@@ -160,7 +160,7 @@ class OwnFeature:
 
     def pursuit(self, network: Network, prospects: Prospects) -> Pursuit:
         """See `Goal`."""
-        name = type(self.feature).__name__
+        name = type(self.feature).__name__.lstrip("_")
         values = np.asarray(self.feature.values(network), dtype=np.float64)
         values = values[:, None] if values.ndim == 1 else values
         paths = len(network.first)
