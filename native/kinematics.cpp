@@ -25,14 +25,14 @@ constexpr std::int64_t kFramesAtOnce = 256;
 // Below this much work starting threads costs more than it saves.
 constexpr std::int64_t kThreadedJoints = 1 << 15;
 
-// One frame. World rotations go to `world`; positions only when wanted.
+// One frame. World rotations go to `world`; positions only when wanted. Of all joints but the root those in `order`.
 template <bool Positions>
-inline void one_frame(std::int64_t joints, const std::int32_t *parents, const double *shifts, const double *rotations,
-                      const double *root, double *world, double *positions) {
+inline void one_frame(const std::vector<std::int32_t> &order, const std::int32_t *parents, const double *shifts,
+                      const double *rotations, const double *root, double *world, double *positions) {
     for (int c = 0; c < 4; ++c) world[c] = rotations[c];
     if constexpr (Positions)
         for (int c = 0; c < 3; ++c) positions[c] = root[c];
-    for (std::int64_t j = 1; j < joints; ++j) {
+    for (const std::int64_t j : order) {
         const double *p = world + 4 * parents[j];
         const double *q = rotations + 4 * j;
         double *out = world + 4 * j;
@@ -59,7 +59,7 @@ inline void one_frame(std::int64_t joints, const std::int32_t *parents, const do
 
 void forward_kinematics(Parents parents, In2 offsets, In3 rotations, std::optional<In2> roots,
                         std::optional<In3> translations, std::optional<Out3> world, std::optional<Out3> positions,
-                        int threads) {
+                        std::optional<Parents> wanted, int threads) {
     const auto frames = std::int64_t(rotations.shape(0)), joints = std::int64_t(rotations.shape(1));
     auto fits = [&](const auto &array, std::size_t width) {
         return !array || (array->shape(0) == std::size_t(frames) && array->shape(1) == std::size_t(joints) &&
@@ -71,7 +71,17 @@ void forward_kinematics(Parents parents, In2 offsets, In3 rotations, std::option
     good = good && (!roots || (roots->shape(0) == std::size_t(frames) && roots->shape(1) == 3));
     good = good && (!positions || roots);
     for (std::int64_t j = 1; good && j < joints; ++j) good = parents(j) >= 0 && parents(j) < j;
+    std::vector<std::int32_t> order;
+    std::vector<bool> included(good ? std::size_t(joints) : 0, !wanted);
+    for (std::size_t n = 0; good && wanted && n < wanted->shape(0); ++n) {
+        good = (*wanted)(n) >= 0 && (*wanted)(n) < joints;
+        // with all that it hangs on
+        for (std::int32_t j = good ? (*wanted)(n) : 0; j > 0 && !included[std::size_t(j)]; j = parents(std::size_t(j)))
+            included[std::size_t(j)] = true;
+    }
     if (!good) throw std::invalid_argument("kinesics._native.forward_kinematics: shapes do not fit");
+    for (std::int64_t j = 1; j < joints; ++j)
+        if (included[std::size_t(j)]) order.push_back(std::int32_t(j));
 
     const std::int32_t *tree = parents.data();
     const double *fixed = offsets.data(), *q = rotations.data();
@@ -79,16 +89,16 @@ void forward_kinematics(Parents parents, In2 offsets, In3 rotations, std::option
     double *w = world ? world->data() : nullptr, *p = positions ? positions->data() : nullptr;
     nb::gil_scoped_release release;
     const std::int64_t parts = (frames + kFramesAtOnce - 1) / kFramesAtOnce;
-    kinesics::parallel_for(parts, frames * joints < kThreadedJoints ? 1 : threads, [&](std::int64_t part) {
+    kinesics::parallel_for(parts, frames * std::int64_t(order.size() + 1) < kThreadedJoints ? 1 : threads, [&](std::int64_t part) {
         std::vector<double> scratch(w == nullptr ? std::size_t(4 * joints) : 0);
         const std::int64_t last = std::min(frames, (part + 1) * kFramesAtOnce);
         for (std::int64_t f = part * kFramesAtOnce; f < last; ++f) {
             double *to = w == nullptr ? scratch.data() : w + f * joints * 4;
             const double *shifts = moving == nullptr ? fixed : moving + f * joints * 3;
             if (p == nullptr)
-                one_frame<false>(joints, tree, shifts, q + f * joints * 4, nullptr, to, nullptr);
+                one_frame<false>(order, tree, shifts, q + f * joints * 4, nullptr, to, nullptr);
             else
-                one_frame<true>(joints, tree, shifts, q + f * joints * 4, root + f * 3, to, p + f * joints * 3);
+                one_frame<true>(order, tree, shifts, q + f * joints * 4, root + f * 3, to, p + f * joints * 3);
         }
     });
 }
@@ -98,5 +108,6 @@ void forward_kinematics(Parents parents, In2 offsets, In3 rotations, std::option
 void bind_kinematics(nb::module_ &m) {
     m.def("forward_kinematics", &forward_kinematics, "parents"_a.noconvert(), "offsets"_a.noconvert(),
           "rotations"_a.noconvert(), "root_positions"_a.noconvert().none(), "joint_translations"_a.noconvert().none(),
-          "world"_a.noconvert().none(), "positions"_a.noconvert().none(), "threads"_a = 0);
+          "world"_a.noconvert().none(), "positions"_a.noconvert().none(), "wanted"_a.noconvert().none() = nb::none(),
+          "threads"_a = 0);
 }

@@ -8,8 +8,13 @@
 #include <stdexcept>
 #include <utility>
 
+#include "quaternion.hpp"
+
 namespace nb = nanobind;
 using namespace nb::literals;
+using kinesics::length;
+using kinesics::multiply;
+using kinesics::undo;
 
 namespace {
 
@@ -47,15 +52,6 @@ void for_rows(const Out &out, const Each &each) {
         for (std::int64_t j = 0; j < inner; ++j, to += width) each(i, j, to);
 }
 
-inline void multiply(const double (&a)[4], const double (&b)[4], double *to) {
-    to[0] = a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3];
-    to[1] = a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2];
-    to[2] = a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1];
-    to[3] = a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0];
-}
-
-inline double length(const double *v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
-
 inline void logarithm(const double *q, double *to) {
     const double sign = q[0] < 0.0 ? -1.0 : 1.0, sine = length(q + 1);
     // angle / sin(angle / 2) goes to 2
@@ -81,8 +77,7 @@ void quaternion_offsets(In a, In b, Out out) {
         double p[4], q[4], between[4];
         first.take(i, j, p);
         second.take(i, j, q);
-        for (int n = 1; n < 4; ++n) p[n] = -p[n];
-        multiply(p, q, between);
+        undo(p, q, between);
         logarithm(between, to);
     });
 }
@@ -94,8 +89,7 @@ void quaternion_angles(In a, In b, Out out) {
         double p[4], q[4], between[4];
         first.take(i, j, p);
         second.take(i, j, q);
-        for (int n = 1; n < 4; ++n) p[n] = -p[n];
-        multiply(p, q, between);
+        undo(p, q, between);
         *to = 2.0 * std::atan2(length(between + 1), std::abs(between[0]));
     });
 }
@@ -131,11 +125,7 @@ void quaternion_turned(In a, In b, Out out) {
         double q[4], v[3];
         turns.take(i, j, q);
         vectors.take(i, j, v);
-        const double x = 2.0 * (q[2] * v[2] - q[3] * v[1]), y = 2.0 * (q[3] * v[0] - q[1] * v[2]);
-        const double z = 2.0 * (q[1] * v[1] - q[2] * v[0]);
-        to[0] = v[0] + q[0] * x + (q[2] * z - q[3] * y);
-        to[1] = v[1] + q[0] * y + (q[3] * x - q[1] * z);
-        to[2] = v[2] + q[0] * z + (q[1] * y - q[2] * x);
+        kinesics::turn(q, v, to);
     });
 }
 

@@ -66,9 +66,30 @@ def forward_kinematics(
     joint_translations: _Doubles | None,
     world: _Doubles | None,
     positions: _Doubles | None,
+    wanted: NDArray[np.int32] | None = None,
     threads: int = 0,
 ) -> None:
-    """Fill world orientations (frames, joints, 4) and positions (frames, joints, 3), whichever are given."""
+    """Fill world orientations (frames, joints, 4) and positions (frames, joints, 3), whichever are given.
+
+    Of joints that are not wanted, and that none wanted hangs on, nothing is written.
+    """
+
+def reach_legs(
+    positions: _Doubles,
+    world: _Doubles,
+    targets: _Doubles,
+    joints: NDArray[np.int32],
+    hinges: _Doubles,
+    soft: float,
+    straightest: float,
+    backward: float,
+    out: _Doubles,
+    misses: _Doubles,
+) -> None:
+    """Change femurs, tibias and feet in ``out`` (frames, joints, 4) so that ankles come to their targets.
+
+    Of each leg ``joints`` (2, 6) has femur, tibia and foot, then the parents of these.
+    """
 
 def cheapest_path(rows: _Floats, low: int, width: int, bend: float, out: NDArray[np.int64]) -> None:
     """Fill ``out`` with the row, counted from ``low``, of the cheapest path through the band in each column."""
@@ -160,6 +181,9 @@ def seek_footing(
     out: _Doubles,
 ) -> bool:
     """Fill ``out`` with what is added to both feet and the body where the sum of squares is least; False if there is no least."""
+
+def envelope(values: _Doubles, window: _Doubles, out: _Doubles) -> None:
+    """Fill ``out`` with the greatest of ``values`` within half a window, averaged under the window."""
 
 def parse_rows(data: bytes, start: int, columns: int) -> tuple[_Doubles, int]:
     """Rows of numbers, one a line; and the byte where the first line begins that is not one, or −1."""

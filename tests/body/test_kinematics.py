@@ -57,6 +57,29 @@ def test_matches_the_twin(rng, way, frames, joints, moving):
     )
 
 
+def test_of_some_joints(rng, way):
+    """Joints that are asked for, and all they hang on, are where they are among all; the others are not told."""
+    skeleton = random_tree(rng, 30)
+    rotations, roots = random_rotations(rng, 20, 30), rng.normal(size=(20, 3))
+    joints = np.array([29, 11, 17])
+    told = {0}
+    for joint in joints.tolist():
+        while joint > 0:
+            told.add(joint)
+            joint = skeleton.parents[joint]
+    hers, others = sorted(told), sorted(set(range(30)) - told)
+    whole, some = (kinematics.forward(skeleton, rotations, roots, joints=j) for j in (None, joints))
+    where = kinematics.positions(skeleton, rotations, roots, joints=joints)
+    turned = kinematics.global_rotations(skeleton, rotations, joints=joints)
+    for all_of_them, found in zip((*whole, *whole), (*some, where, turned), strict=True):
+        np.testing.assert_array_equal(found[:, hers], all_of_them[:, hers])
+        assert np.isnan(found[:, others]).all()
+    assert others
+    for bad in (30, -1):
+        with pytest.raises(InputError, match="below 30"):
+            kinematics.forward(skeleton, rotations, roots, joints=np.array([3, bad]))
+
+
 @given(seed=st.integers(0, 2**32 - 1), frames=st.integers(1, 3000), joints=st.integers(1, 30))
 def test_both_ways_agree(seed, frames, joints):
     """Compiled, on one thread or several, and in NumPy: the same for any tree and length."""

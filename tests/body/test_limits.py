@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from pathlib import Path
 from typing import Any
@@ -246,6 +247,30 @@ def test_collisions_do_not_depend_on_place_heading_or_side(rng: np.random.Genera
     depths = [[c.worst_depth for c in found.collisions] for found in (here, there, image)]
     assert_allclose(depths[0], depths[1], atol=1e-9)
     assert_allclose(depths[0], depths[2], atol=1e-9)
+
+
+def test_some_pairs_are_as_deep_as_among_all() -> None:
+    """Of the capsules only those of the pairs looked at matter: what the others are, even unknown, changes nothing."""
+    motion = posed(
+        frames=3, LeftUpLeg=[[0.0, 0.0, -0.1], [0.0, 0.0, -0.2], [0.2, 0.0, -0.3]], RightUpLeg=[0.0, 0.0, 0.1]
+    )
+    capsules = limits.Capsules.of(motion)
+    legs = [
+        n
+        for n, pair in enumerate(capsules.pairs)
+        if all("femur" in (m := capsules.names[k]) or "tibia" in m for k in pair)
+    ]
+    some = dataclasses.replace(capsules, pairs=tuple(capsules.pairs[n] for n in legs))
+    known = motion.positions(), motion.global_rotations()
+    found = some.depths(*known)
+    assert found.max() > 0.0
+    arms = [n for n, name in enumerate(SKELETON.joint_names) if "Arm" in name or "Hand" in name]
+    unknown = tuple(values.copy() for values in known)
+    for values in unknown:
+        values[:, arms] = np.nan
+    assert_allclose(found, capsules.depths(*known)[:, legs])
+    assert_allclose(found, some.depths(*unknown))
+    assert dataclasses.replace(capsules, pairs=()).depths(*known).shape == (3, 0)
 
 
 @pytest.mark.parametrize("scale", [0.5, 2.0])

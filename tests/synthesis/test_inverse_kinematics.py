@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import kinesics as kx
+from kinesics import compiled
 from kinesics.body import anatomy, kinematics
 from kinesics.body.mirroring import mirror
 from kinesics.body.skeleton import Skeleton
@@ -76,6 +77,24 @@ def test_bends_like_the_twin() -> None:
 
 
 @given(st.integers(0, 10_000))
+def test_compiled_and_plain_agree(seed: int) -> None:
+    """Legs reach alike compiled and in NumPy: near, far beyond, and where nothing is asked."""
+    if compiled.native is None:
+        pytest.skip("The compiled kernels were not built.")
+    rng = np.random.default_rng(seed)
+    targets = _at(WALK).positions[:, list(LEGS.feet)]
+    targets = targets + rng.choice([0.0, 0.01, 0.1, 3.0], targets.shape[:2])[..., None] * rng.normal(size=targets.shape)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.delenv("KINESICS_KERNEL", raising=False)
+        patch.setenv("KINESICS_NO_NATIVE", "0")
+        quick = ik.reach(WALK.skeleton, WALK.rotations, WALK.root_positions, targets)
+        patch.setenv("KINESICS_NO_NATIVE", "1")
+        plain = ik.reach(WALK.skeleton, WALK.rotations, WALK.root_positions, targets)
+    np.testing.assert_allclose(quick.rotations, plain.rotations, atol=1e-7)
+    np.testing.assert_allclose(quick.misses, plain.misses, atol=1e-9)
+
+
+@given(st.integers(0, 10_000))
 def test_one_leg_turns_as_many_do(seed: int) -> None:
     """One leg at one moment, live, turns as among all frames: within reach, beyond it, straight, and bent backwards."""
     rng = np.random.default_rng(seed)
@@ -99,6 +118,12 @@ def test_a_bone_along_its_hinge_is_only_swung() -> None:
     bend, swing = ik.turns((0.0, 1.0, 0.0), (0.0, 0.5, 0.0), (0.5, 0.5, 0.0), (0.0, 0.6, 0.3), (1.0, 0.0, 0.0))
     assert bend == (1.0, 0.0, 0.0, 0.0)
     assert np.isfinite(swing).all()
+    many = (
+        np.array([v]) for v in ((0.0, 1.0, 0.0), (0.0, 0.5, 0.0), (0.5, 0.5, 0.0), (0.0, 0.6, 0.3), (1.0, 0.0, 0.0))
+    )
+    bends, swings, _ = ik._bend_and_swing(*many)
+    assert np.allclose(bends[0], bend)
+    assert np.allclose(swings[0], swing)
 
 
 def test_the_knee_turns_about_its_hinge_alone() -> None:

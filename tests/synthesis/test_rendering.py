@@ -7,8 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import kinesics as kx
+from kinesics import compiled
 from kinesics.body import contacts
 from kinesics.body.contacts import Floor
 from kinesics.body.limits import Capsules
@@ -236,9 +239,9 @@ def test_live_asks_for_a_path_only_when_it_needs_one(made: Network, paths: list[
 def test_bad_input_is_told(made: Network) -> None:
     """No path, no such path, a path that does not follow, bends and starts that are none: refused in words."""
     wrong = next(p for p in range(len(made)) if p not in made.successors(0))
-    for given, words in (([], "list of path"), ([len(made)], "below"), ([0, wrong], "does not follow")):
+    for asked, words in (([], "list of path"), ([len(made)], "below"), ([0, wrong], "does not follow")):
         with pytest.raises(InputError, match=words):
-            render(made, given)
+            render(made, asked)
     with pytest.raises(InputError, match="bend"):
         render(made, [0], bend=[0.1, 0.2])
     with pytest.raises(InputError, match="start"):
@@ -254,6 +257,21 @@ def test_envelope_is_nowhere_below(rng: np.random.Generator) -> None:
     assert np.all(cover >= values - 1e-12)
     assert np.abs(np.diff(cover)).max() < 2.0 * values.max() / 12
     assert not envelope(np.zeros(50), 12).any()
+
+
+@given(st.integers(0, 10_000), st.integers(1, 80), st.integers(1, 20))
+def test_envelopes_compiled_and_plain_agree(seed: int, frames: int, reach: int) -> None:
+    """The compiled envelope is that of SciPy's maximum and NumPy's convolution, near the ends too."""
+    if compiled.native is None:
+        pytest.skip("The compiled kernels were not built.")
+    rng = np.random.default_rng(seed)
+    values = np.where(rng.random(frames) < 0.05, rng.random(frames), 0.0)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.delenv("KINESICS_KERNEL", raising=False)
+        patch.setenv("KINESICS_NO_NATIVE", "0")
+        quick = envelope(values, reach)
+        patch.setenv("KINESICS_NO_NATIVE", "1")
+        np.testing.assert_allclose(quick, envelope(values, reach), atol=1e-15)
 
 
 def test_slide_is_that_of_the_twin(rng: np.random.Generator) -> None:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from kinesics.body.skeleton import Skeleton
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
 
 
 class Kinematics(NamedTuple):
@@ -30,7 +31,12 @@ class Kinematics(NamedTuple):
 
 
 def forward(
-    skeleton: Skeleton, rotations: Array, root_positions: Array, joint_translations: Array | None = None
+    skeleton: Skeleton,
+    rotations: Array,
+    root_positions: Array,
+    joint_translations: Array | None = None,
+    *,
+    joints: Indices | None = None,
 ) -> Kinematics:
     """Positions and orientations of all joints: g(0,n) = g(0,1) g(1,2) … g(n−1,n).
 
@@ -39,43 +45,54 @@ def forward(
     rotations : relative to the parents, unit quaternions (w, x, y, z), shape (frames, joints, 4).
     root_positions : metres, shape (frames, 3).
     joint_translations : metres, shape (frames, joints, 3), in place of the skeleton's offsets; entry 0 is not read.
+    joints : numbers of those that are wanted, where not all are: of those that none of them hangs on nothing is computed, and
+        what is returned is NaN.
 
     Raises
     ------
     InputError
-        If shapes disagree.
+        If shapes disagree or a number is none of a joint.
 
     References
     ----------
     [Schultz2012] §2.6.
     """
     q, roots, shifts = _check(skeleton, rotations, root_positions, joint_translations)
-    where, world = np.empty((*q.shape[:2], 3)), np.empty_like(q)
-    _solve(skeleton, q, roots, shifts, world, where)
+    where, world = _room(skeleton, len(q), 3, joints), _room(skeleton, len(q), 4, joints)
+    _solve(skeleton, q, roots, shifts, world, where, joints)
     return Kinematics(where, world)
 
 
 def positions(
-    skeleton: Skeleton, rotations: Array, root_positions: Array, joint_translations: Array | None = None
+    skeleton: Skeleton,
+    rotations: Array,
+    root_positions: Array,
+    joint_translations: Array | None = None,
+    *,
+    joints: Indices | None = None,
 ) -> Array:
     """Positions alone, metres, shape (frames, joints, 3). Parameters and errors are those of `forward`."""
     q, roots, shifts = _check(skeleton, rotations, root_positions, joint_translations)
-    where = np.empty((*q.shape[:2], 3))
-    _solve(skeleton, q, roots, shifts, None, where)
+    where = _room(skeleton, len(q), 3, joints)
+    _solve(skeleton, q, roots, shifts, None, where, joints)
     return where
 
 
-def global_rotations(skeleton: Skeleton, rotations: Array) -> Array:
+def global_rotations(skeleton: Skeleton, rotations: Array, *, joints: Indices | None = None) -> Array:
     """World orientations of all joints from rotations relative to the parents. Shape (frames, joints, 4) to the same.
+
+    Parameters
+    ----------
+    joints : as for `forward`.
 
     Raises
     ------
     InputError
-        If the shape is not that of the skeleton.
+        If the shape is not that of the skeleton, or a number is none of a joint.
     """
     q, _, _ = _check(skeleton, rotations, None, None)
-    world = np.empty_like(q)
-    _solve(skeleton, q, None, None, world, None)
+    world = _room(skeleton, len(q), 4, joints)
+    _solve(skeleton, q, None, None, world, None, joints)
     return world
 
 
@@ -95,20 +112,49 @@ def _check(
     return q, roots, shifts
 
 
+def _room(skeleton: Skeleton, frames: int, width: int, joints: Indices | None) -> Array:
+    """What results are written into."""
+    shape = (frames, skeleton.joint_count, width)
+    if joints is None:
+        return np.empty(shape)
+    if len(joints) and not 0 <= np.min(joints) <= np.max(joints) < skeleton.joint_count:
+        raise InputError(f"Expected `joints` below {skeleton.joint_count}, got {joints.tolist()}.")
+    return np.full(shape, np.nan)
+
+
 def _solve(
-    skeleton: Skeleton, q: Array, roots: Array | None, shifts: Array | None, world: Array | None, where: Array | None
+    skeleton: Skeleton,
+    q: Array,
+    roots: Array | None,
+    shifts: Array | None,
+    world: Array | None,
+    where: Array | None,
+    joints: Indices | None = None,
 ) -> None:
     """Write into ``world`` (orientations) and ``where`` (positions; needs ``roots``), whichever are given."""
     if compiled.wanted():
         parents = np.array(skeleton.parents, dtype=np.int32)
-        compiled.native.forward_kinematics(parents, skeleton.offsets, q, roots, shifts, world, where)
+        wanted = None if joints is None else np.asarray(joints, dtype=np.int32)
+        compiled.native.forward_kinematics(parents, skeleton.offsets, q, roots, shifts, world, where, wanted)
         return
     world = np.empty_like(q) if world is None else world
     world[:, 0] = q[:, 0]
     if where is not None:
         where[:, 0] = roots
+    needed = set(range(skeleton.joint_count)) if joints is None else _with_what_they_hang_on(skeleton, joints)
     for j, parent in enumerate(skeleton.parents[1:], start=1):
+        if j not in needed:
+            continue
         world[:, j] = quaternion.multiply(world[:, parent], q[:, j])
         if where is not None:
             offset = skeleton.offsets[j] if shifts is None else shifts[:, j]
             where[:, j] = where[:, parent] + quaternion.rotate(world[:, parent], offset)
+
+
+def _with_what_they_hang_on(skeleton: Skeleton, joints: Indices) -> set[int]:
+    out = {0}
+    for joint in joints.tolist():
+        while joint not in out:
+            out.add(joint)
+            joint = skeleton.parents[joint]
+    return out

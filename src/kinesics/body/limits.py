@@ -16,6 +16,7 @@ gives way and markers slip: hence the tolerance.
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from itertools import combinations
 from typing import Any, Final, NamedTuple
@@ -354,15 +355,18 @@ class Capsules:
 
     def depths(self, positions: Array, rotations: Array, *, least: float = 0.0) -> Array:
         """Metres by which each pair interpenetrates, −∞ where by less than about ``least``: shape (frames, pairs)."""
-        starts, ends = self.ends(positions, rotations)
         a, b = np.array(self.pairs, dtype=np.intp).reshape(-1, 2).T
         reach = self.radii[a] + self.radii[b]
+        looked_at, places = np.unique(np.concatenate([a, b]), return_inverse=True)
+        starts, ends = _capsules(self.skeleton, positions, rotations, self.body, self.stature, looked_at.tolist())
+        a, b = places.reshape(2, -1)
         depth = np.full((len(positions), len(self.pairs)), -np.inf)
         # segments whose middles are farther apart than half their lengths and their radii cannot touch
         middles = 0.5 * (starts + ends)
-        half = 0.5 * np.linalg.norm(ends - starts, axis=-1)
+        along = ends - starts
+        half = 0.5 * np.sqrt(_dot(along, along))
         apart = middles[:, a] - middles[:, b]
-        near = np.einsum("fpi,fpi->fp", apart, apart) < (half[:, a] + half[:, b] + reach - least) ** 2
+        near = _dot(apart, apart) < (half[:, a] + half[:, b] + reach - least) ** 2
         frames, which = np.nonzero(near)
         first, second = (frames, a[which]), (frames, b[which])
         depth[near] = reach[which] - segment_distance(starts[first], ends[first], starts[second], ends[second])
@@ -415,8 +419,15 @@ def capsule_radius(segment: str, stature: float) -> float:
     return float(radius * stature / REFERENCE_STATURE)
 
 
-def _capsules(skeleton: Skeleton, positions: Array, world: Array, body: Anatomy, stature: float) -> tuple[Array, Array]:
-    """Both ends of every capsule, metres, shape (frames, capsules, 3) each."""
+def _capsules(
+    skeleton: Skeleton,
+    positions: Array,
+    world: Array,
+    body: Anatomy,
+    stature: float,
+    which: Sequence[int] = range(len(_CAPSULES)),
+) -> tuple[Array, Array]:
+    """Both ends of every capsule, or of some, metres, shape (frames, capsules, 3) each."""
 
     def at(role: str) -> Array:
         joint = getattr(body, role)
@@ -447,7 +458,11 @@ def _capsules(skeleton: Skeleton, positions: Array, world: Array, body: Anatomy,
             length = _SEGMENTS[lower].length * stature
             starts += [near, hinge]
             ends += [hinge, tip(joint, length, near) if below is None else positions[:, below]]
-    return np.stack(starts, axis=1), np.stack(ends, axis=1)
+    picked = [[side[k] for k in which] for side in (starts, ends)]
+    if not picked[0]:
+        none = np.empty((len(positions), 0, 3))
+        return none, none
+    return np.stack(picked[0], axis=1), np.stack(picked[1], axis=1)
 
 
 def _pairs(starts: Array, ends: Array, radii: Array, tolerance: float) -> list[tuple[int, int]]:

@@ -10,7 +10,8 @@ distance is given less and less of what is asked, so that the knee never snaps (
 reached in place of one that is cut); a leg that already is straighter than that counts from where it is, so that nothing
 changes where nothing is asked.
 
-`reach` does it for all frames of a performance together, `turns` for one leg at one moment, live: the same in plain numbers.
+`reach` does it for all frames of a performance together, compiled where that was built, `turns` for one leg at one moment, live:
+the same in plain numbers.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from kinesics import compiled
 from kinesics.body import kinematics
 from kinesics.body.kinematics import Kinematics
 from kinesics.body.skeleton import Skeleton
@@ -147,6 +149,8 @@ def reach(
     if targets.shape != (len(rotations), 2, 3) or not np.isfinite(targets).all():
         raise InputError(f"Expected finite `targets` of shape ({len(rotations)}, 2, 3), got {targets.shape}.")
     where, world = kinematics.forward(skeleton, rotations, root_positions) if known is None else known
+    if compiled.wanted():
+        return _quickly(skeleton, rotations, where, world, targets, limbs)
     femurs, tibias, feet = list(limbs.femurs), list(limbs.tibias), list(limbs.feet)
     hip, knee, ankle = where[:, femurs], where[:, tibias], where[:, feet]
     bend, swing, wanted = _bend_and_swing(hip, knee, ankle, targets, quaternion.rotate(world[:, tibias], limbs.hinges))
@@ -160,6 +164,25 @@ def reach(
     above = world[:, [skeleton.parents[j] for j in joints]]
     out[:, joints] = _local(quaternion.multiply(np.concatenate([still, swing, lower], axis=1), above), own)
     return Reached(out, wanted)
+
+
+def _quickly(skeleton: Skeleton, rotations: Array, where: Array, world: Array, targets: Array, limbs: Legs) -> Reached:
+    chains = zip(limbs.femurs, limbs.tibias, limbs.feet, strict=True)
+    joints = np.array([[*chain, *(skeleton.parents[j] for j in chain)] for chain in chains], dtype=np.int32)
+    out, misses = np.array(rotations, dtype=np.float64, order="C"), np.empty((len(rotations), 2))
+    compiled.native.reach_legs(
+        np.ascontiguousarray(where),
+        np.ascontiguousarray(world),
+        np.ascontiguousarray(targets, dtype=np.float64),
+        joints,
+        np.ascontiguousarray(limbs.hinges),
+        SOFT,
+        STRAIGHTEST,
+        _BACKWARD_KNEE,
+        out,
+        misses,
+    )
+    return Reached(out, misses)
 
 
 def _bend_and_swing(hip: Array, knee: Array, ankle: Array, target: Array, hinge: Array) -> tuple[Array, Array, Array]:
@@ -183,9 +206,11 @@ def _bend_and_swing(hip: Array, knee: Array, ankle: Array, target: Array, hinge:
     size = np.hypot(a, b)
     wanted = (far**2 - l1**2 - l2**2) / (2.0 * l1 * l2)
     bent = -np.arctan2(b, a)
-    angle = np.arccos(np.clip((wanted - c) / size, -1.0, 1.0)) - np.abs(bent)
+    # where a bone lies along the hinge, turning about it changes nothing
+    turns = size > 1e-12
+    angle = np.arccos(np.clip((wanted - c) / np.where(turns, size, 1.0), -1.0, 1.0)) - np.abs(bent)
     angle = np.where(bent < _BACKWARD_KNEE, -angle, angle)
-    angle = np.where(asked == now, 0.0, angle)
+    angle = np.where(turns & (asked != now), angle, 0.0)
     half = 0.5 * angle[..., None]
     bend = np.concatenate([np.cos(half), np.sin(half) * axis], axis=-1)
     reached = upper + quaternion.rotate(bend, lower)

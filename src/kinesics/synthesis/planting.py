@@ -8,11 +8,13 @@ of each other, and the body goes along as far as it can.
 from __future__ import annotations
 
 import dataclasses
+import functools
 from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kinesics import compiled
 from kinesics.body import contacts, kinematics
 from kinesics.body.limits import segment_distance
 from kinesics.geometry import quaternion
@@ -76,14 +78,19 @@ def put_within_range(stage: Stage, rotations: Array, joints: Indices, where: Mas
     vectors = blending.rotation_offset(middle, rotations[np.ix_(frames, joints)])
     beyond = np.maximum(np.maximum(vectors - high, low - vectors), 0.0)
     for n in np.nonzero((beyond > 1e-9).any(axis=(0, 2)))[0].tolist():
-        at = blending.rotation_offset(middle[n], rotations[:, joints[n]])
+        back = np.zeros((len(rotations), 3))
         for axis in np.nonzero((beyond[:, n] > 1e-9).any(axis=0))[0].tolist():
             over = np.zeros((2, len(rotations)))
             over[0, frames] = np.maximum(vectors[:, n, axis] - high[n, axis], 0.0)
             over[1, frames] = np.maximum(low[n, axis] - vectors[:, n, axis], 0.0)
-            back = envelope(over[0], reach) - envelope(over[1], reach)
-            at[:, axis] = np.where(back != 0.0, np.clip(at[:, axis] - back, low[n, axis], high[n, axis]), at[:, axis])
-        rotations[:, joints[n]] = blending.add_rotation(middle[n], at)
+            back[:, axis] = envelope(over[0], reach) - envelope(over[1], reach)
+        goes = np.flatnonzero(back.any(axis=1))
+        at, back = blending.rotation_offset(middle[n], rotations[goes, joints[n]]), back[goes]
+        at = np.where(back != 0.0, np.clip(at - back, low[n], high[n]), at)
+        put = blending.add_rotation(middle[n], at)
+        # signs as they were, so that from frame to frame they do not change
+        sign = np.copysign(1.0, np.einsum("fi,fi->f", put, rotations[goes, joints[n]]))
+        rotations[goes, joints[n]] = sign[:, None] * put
 
 
 def envelope(values: Array, reach: int) -> Array:
@@ -91,10 +98,14 @@ def envelope(values: Array, reach: int) -> Array:
 
     The greatest within ``reach`` frames, averaged under a Hann window of the same reach.
     """
-    from scipy.ndimage import maximum_filter1d
-
     if not values.any():
         return np.zeros_like(values)
+    if compiled.wanted():
+        out = np.empty(len(values))
+        compiled.native.envelope(np.ascontiguousarray(values, dtype=np.float64), _hann(reach), out)
+        return out
+    from scipy.ndimage import maximum_filter1d
+
     wide = maximum_filter1d(values, 2 * reach + 1, mode="nearest")
     return _smooth(wide, reach)
 
@@ -123,7 +134,7 @@ def pin(stage: Stage, rotations: Array, roots: Array, standing: Mask) -> Footed:
     joints = np.array([*stage.legs.femurs, *stage.legs.tibias, *feet])
     rotations, roots = _with_the_feet(stage, rotations, roots, _both(held, stage.repertoire.fps))
     given = rotations
-    places = kinematics.positions(skeleton, rotations, roots)
+    places = kinematics.positions(skeleton, rotations, roots, joints=stage.lower)
     hips, knees, ankles = (places[:, list(part)] for part in (stage.legs.femurs, stage.legs.tibias, feet))
     recorded = ankles - roots[:, None]
     stiff = footing.stiffness(footing.legs_of(hips, knees, ankles), stage.usual, stage.repertoire.fps)
@@ -141,16 +152,19 @@ def pin(stage: Stage, rotations: Array, roots: Array, standing: Mask) -> Footed:
         gripped = gripped | slipping
         # an ankle that would be bent too far turns its foot; the foot is then planted as it is turned
         given = given.copy()
-        world = kinematics.global_rotations(skeleton, done.rotations)[:, parents]
-        own = kinematics.global_rotations(skeleton, given)[:, parents]
+        world = kinematics.global_rotations(skeleton, done.rotations, joints=stage.lower)[:, parents]
+        own = kinematics.global_rotations(skeleton, given, joints=stage.lower)[:, parents]
         turned = quaternion.angle(done.rotations[:, feet], within[:, feet]) > _NOTHING
         new = quaternion.multiply(quaternion.conjugate(own), quaternion.multiply(world, within[:, feet]))
         given[:, feet] = np.where(turned[..., None], new, given[:, feet])
         # where the leg would go too far the body goes along instead
         placed = within.copy()
         placed[:, feet] = done.rotations[:, feet]
-        reached = kinematics.positions(skeleton, placed, done.roots)[:, feet] - done.roots[:, None]
-        asked = kinematics.positions(skeleton, done.rotations, done.roots)[:, feet] - done.roots[:, None]
+        reached = kinematics.positions(skeleton, placed, done.roots, joints=stage.lower)[:, feet] - done.roots[:, None]
+        asked = (
+            kinematics.positions(skeleton, done.rotations, done.roots, joints=stage.lower)[:, feet]
+            - done.roots[:, None]
+        )
         back = reached - asked + push
         far = np.linalg.norm(back, axis=-1)
         bound = far > _SHORT
@@ -161,7 +175,7 @@ def pin(stage: Stage, rotations: Array, roots: Array, standing: Mask) -> Footed:
 
 def _slipping(stage: Stage, done: Footed, gripped: Mask) -> Mask:
     """Frames of contacts, as anyone would find them in what was planted, in which a foot slides and is not held: (frames, 2)."""
-    known = kinematics.forward(stage.repertoire.skeleton, done.rotations, done.roots)
+    known = kinematics.forward(stage.repertoire.skeleton, done.rotations, done.roots, joints=stage.lower)
     places = stage.soles.place(known.positions, known.rotations)
     found = contacts.touching(places, places[..., 1], stage.repertoire.fps, stage.stature, stage.slow)
     height = places[..., 1] - stage.levels
@@ -185,7 +199,7 @@ def _apart(stage: Stage, rotations: Array, roots: Array) -> Array:
     ]
     capsules = dataclasses.replace(stage.capsules, pairs=tuple(stage.capsules.pairs[n] for n in legs))
     deepest = stage.deepest[legs]
-    known = kinematics.forward(stage.repertoire.skeleton, rotations, roots)
+    known = kinematics.forward(stage.repertoire.skeleton, rotations, roots, joints=stage.lower)
     over = capsules.depths(*known) - deepest - 0.5 * FLESH
     out = np.zeros((len(rotations), 2, 3))
     if not (over > 0.5 * FLESH).any():
@@ -216,7 +230,7 @@ def _apart(stage: Stage, rotations: Array, roots: Array) -> Array:
 
 def _above_the_floor(stage: Stage, footed: Footed) -> Footed:
     """Where feet came below the floor as joints went back into their range, the body is raised."""
-    known = kinematics.forward(stage.repertoire.skeleton, footed.rotations, footed.roots)
+    known = kinematics.forward(stage.repertoire.skeleton, footed.rotations, footed.roots, joints=stage.lower)
     sunk = -stage.soles.place(known.positions, known.rotations)[..., 1].min(axis=(1, 2)) - SUNK
     if sunk.max() <= 0.0:
         return footed
@@ -237,7 +251,7 @@ def _planted(
 ) -> Footed:
     repertoire, legs = stage.repertoire, stage.legs
     skeleton, fps = repertoire.skeleton, repertoire.fps
-    known = kinematics.forward(skeleton, rotations, roots)
+    known = kinematics.forward(skeleton, rotations, roots, joints=stage.lower)
     soles = stage.soles.place(known.positions, known.rotations)
     ankles = known.positions[:, list(legs.feet)]
     lowest = soles[..., 1].min(axis=2)
@@ -273,7 +287,7 @@ def _with_the_feet(stage: Stage, rotations: Array, roots: Array, both: Array) ->
     In a recording feet that stand creep; where a stand is played round after round, each goes on from the last, and what adds up
     no leg could follow. Where the body goes over the floor `footing` sees to.
     """
-    known = kinematics.forward(stage.repertoire.skeleton, rotations, roots)
+    known = kinematics.forward(stage.repertoire.skeleton, rotations, roots, joints=stage.lower)
     soles = stage.soles.place(known.positions, known.rotations).mean(axis=2)
     feet = soles[..., 2] + 1j * soles[..., 0]
     apart = feet[:, 0] - feet[:, 1]
@@ -319,5 +333,11 @@ def _lowering(stage: Stage, positions: Array, targets: Array, held: Array, fps: 
 
 def _smooth(values: Array, reach: int) -> Array:
     """Averaged under a Hann window of ``reach`` frames to either side."""
+    return np.convolve(np.pad(values, reach, mode="edge"), _hann(reach), "valid")
+
+
+@functools.cache
+def _hann(reach: int) -> Array:
+    """A Hann window of ``reach`` frames to either side, sum 1."""
     window = np.hanning(2 * reach + 3)[1:-1]
-    return np.convolve(np.pad(values, reach, mode="edge"), window / window.sum(), "valid")
+    return np.asarray(window / window.sum())

@@ -66,6 +66,8 @@ class Stage:
 
     repertoire: Repertoire
     legs: Legs
+    lower: Indices
+    """Joints of legs and soles: all that matters as feet are planted."""
     soles: Soles
     levels: Array
     """Height above the floor at which each point of the soles usually bears, metres, shape (2, 3)."""
@@ -139,6 +141,7 @@ class Stage:
         return cls(
             repertoire,
             legs,
+            np.unique([*legs.femurs, *legs.tibias, *legs.feet, *found.soles.joints.ravel()]),
             found.soles,
             levels,
             found.slow,
