@@ -36,6 +36,8 @@ def kinesics(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: py
     monkeypatch.delenv("KINESICS_DEBUG", raising=False)
     monkeypatch.setenv("KINESICS_MIRROR", "http://127.0.0.1:9")
     monkeypatch.setenv("TERMINAL_WIDTH", "80")
+    # tests run on all cores as it is; the second process has its own (tests/report/test_helper.py)
+    monkeypatch.setattr("kinesics.report.helper.cores", lambda: 1)
 
     def call(*arguments: object) -> Outcome:
         capsys.readouterr()

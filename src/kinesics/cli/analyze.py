@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -94,7 +95,9 @@ def analyze(
     known_better = recording.read_edits(edits or recording.edits_beside(files[0]))
     report.check_palette(palette)
     folder = out or (None if json else _default_folder(files))
-    with terminal.Bar("Analysing") as bar:
+    # it gets ready while the recordings are read
+    drawing = report.helping() if folder is not None else contextlib.nullcontext()
+    with drawing as helper, terminal.Bar("Analysing") as bar:
         motions = []
         for number, file in enumerate(files):
             bar(0.2 * number / len(files), f"reading {file.name}")
@@ -103,7 +106,9 @@ def analyze(
             motions, beta=beta, mapping=reading.mapping(), edits=known_better, progress=bar.part(0.2, 0.4)
         )
         if folder is not None:
-            report.save(result, folder, overwrite=overwrite, palette=palette, progress=bar.part(0.4, 1.0))
+            report.save(
+                result, folder, overwrite=overwrite, palette=palette, progress=bar.part(0.4, 1.0), helper=helper
+            )
     if json:
         terminal.print_json(result.to_dict())
     else:

@@ -17,6 +17,7 @@ from kinesics.analysis import Analysis
 from kinesics.errors import FileError, InputError
 from kinesics.progress import Progress, silent
 from kinesics.report import page, pictures, tables
+from kinesics.report.helper import Helper
 
 FACTS: Final = "analysis.json"
 FRAMES: Final = "frames.csv"
@@ -44,6 +45,7 @@ def save(
     overwrite: bool = False,
     palette: str = "thesis",
     progress: Progress | None = None,
+    helper: Helper | None = None,
 ) -> None:
     """Write an analysis into a folder: facts, tables, pictures and a page to read and to mail.
 
@@ -56,6 +58,7 @@ def save(
         replaced; files in it that are not the analysis's stay.
     overwrite : replace the analysis of another recording, or write among other files.
     palette : the colours of Z and Z* in the pictures: "thesis" (red and cyan) or "colorblind" (orange and blue).
+    helper : a second process that draws along (`kinesics.report.helping`).
 
     Raises
     ------
@@ -77,7 +80,7 @@ def save(
     with _writing(target):
         stage = Path(tempfile.mkdtemp(prefix=f".{target.absolute().name[:40]}-", dir=parent))
         try:
-            for name, contents in _contents(analysis, palette, report):
+            for name, contents in _contents(analysis, palette, report, helper):
                 (stage / name).write_bytes(contents)
             report(0.99, "putting the files in their places")
             _install(stage, target)
@@ -122,9 +125,11 @@ def facts_json(analysis: Analysis) -> str:
     return json.dumps(analysis.to_dict(), ensure_ascii=False, indent=1, allow_nan=False) + "\n"
 
 
-def _contents(analysis: Analysis, palette: str, report: Progress) -> Iterator[tuple[str, bytes]]:
+def _contents(analysis: Analysis, palette: str, report: Progress, helper: Helper | None) -> Iterator[tuple[str, bytes]]:
     """Name and contents of every file, in the order of `FILES`."""
-    drawn = pictures.draw(analysis, palette=palette, progress=lambda f, message="": report(0.8 * f, message))
+    drawn = pictures.draw(
+        analysis, palette=palette, progress=lambda f, message="": report(0.8 * f, message), helper=helper
+    )
     report(0.8, "the page")
     made: Mapping[str, bytes] = {
         "report.html": page.report_page(analysis, drawn, palette=palette).encode(),

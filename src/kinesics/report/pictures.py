@@ -1,8 +1,10 @@
-"""The pictures of one analysis, drawn together: the poses are compared once, at the size of the picture."""
+"""The pictures of one analysis, in sheets that do not need each other: two processes can draw them (`kinesics.report.helper`)."""
 
 from __future__ import annotations
 
 import dataclasses
+from collections import deque
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
@@ -38,6 +40,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from kinesics.grammar.graph import MotionGraph
+    from kinesics.report.helper import Helper
 
 _DPI: Final = 150
 _MOST_FIGURES: Final = 80
@@ -99,12 +102,24 @@ def check_palette(palette: str) -> None:
         raise InputError(f"The palette '{palette}' {why}. Palettes of a report: {', '.join(useful)}.")
 
 
-def draw(analysis: Analysis, *, palette: str = "thesis", progress: Progress | None = None) -> Pictures:
+class Sheet(NamedTuple):
+    """One piece of the drawing, which needs none of the others: they can be drawn in any order, in several processes."""
+
+    what: str
+    """As in `_SHEETS`."""
+    source: int = 0
+    """Of the phrases and curves."""
+
+
+def draw(
+    analysis: Analysis, *, palette: str = "thesis", progress: Progress | None = None, helper: Helper | None = None
+) -> Pictures:
     """All pictures of an analysis that still has its motions and poses.
 
     Parameters
     ----------
     palette : the colours of Z and Z*, see `kinesics.plotting.palettes`.
+    helper : a second process that draws along (see `kinesics.report.helper`); the pictures are the same without.
 
     Raises
     ------
@@ -113,21 +128,96 @@ def draw(analysis: Analysis, *, palette: str = "thesis", progress: Progress | No
     """
     check_palette(palette)
     report = progress or silent
-    report(0.0, "comparing all moments")
+    waiting = deque(sheets(analysis))
+    # most of a long recording's time goes into all its pairs
+    worth = {sheet: len(waiting) if sheet.what == "pairs" else 1 for sheet in waiting}
+    drawn: dict[Sheet, tuple[bytes, ...]] = {}
+
+    def done(sheet: Sheet, fraction: float) -> None:
+        share = sum(worth[s] for s in tuple(drawn)) + fraction * worth[sheet]
+        report(min(1.0, share / sum(worth.values())), f"drawing {_SHEETS[sheet.what].name}")
+
+    if helper is not None:
+        helper.draw(analysis, palette, waiting, drawn)
+    while waiting or (helper is not None and helper.wait()):
+        try:
+            sheet = waiting.popleft()
+        except IndexError:
+            # the helper was quicker
+            continue
+        drawn[sheet] = draw_sheet(analysis, sheet, palette, lambda f, _="", s=sheet: done(s, f))
+
+    def all_of(what: str) -> list[tuple[int, bytes]]:
+        return [(sheet.source, files[0]) for sheet, files in sorted(drawn.items()) if sheet.what == what]
+
+    def one_of(what: str) -> bytes | None:
+        return next((file for _, file in all_of(what)), None)
+
+    square, triangle = drawn[Sheet("pairs")]
+    path = drawn[Sheet("path")][0]
+    curves = tuple(file for _, file in all_of("curves"))
+    result = Pictures(
+        square,
+        triangle,
+        one_of("graph") or path,
+        path,
+        one_of("strips"),
+        tuple(all_of("phrases")),
+        one_of("motifs"),
+        curves,
+    )
+    report(1.0, "pictures drawn")
+    return result
+
+
+def warm_up() -> None:
+    """Load what drawing needs: libraries and fonts."""
+    figure, ax = _page(100, 100, left=50, right=50, bottom=50, top=50)
+    ax.set_xlabel("time $t_i$ (s)")
+    _caption(figure, "name", "key")
+    for suffix in (".png", ".svg"):
+        figure_bytes(figure, suffix)
+
+
+def sheets(analysis: Analysis) -> list[Sheet]:
+    """All that is to be drawn of an analysis, what takes longest first."""
+    graph = analysis.graph
+    out = [Sheet("pairs")]
+    if graph.states:
+        out.append(Sheet("graph"))
+    if strip_paths(graph)[0]:
+        out.append(Sheet("strips"))
+    if analysis.motifs:
+        out.append(Sheet("motifs"))
+    out.append(Sheet("path"))
+    for number in range(len(analysis.sources)):
+        out.append(Sheet("curves", number))
+        if any(p.source == number for p in analysis.phrases):
+            out.append(Sheet("phrases", number))
+    return out
+
+
+def draw_sheet(analysis: Analysis, sheet: Sheet, palette: str, progress: Progress | None = None) -> tuple[bytes, ...]:
+    """The files' contents: two of "pairs", the square and the triangle, one of all others."""
+    report = progress or silent
+    report(0.0)
+    return _SHEETS[sheet.what].draw(analysis, sheet.source, palette, report)
+
+
+def _draw_pairs(analysis: Analysis, _: int, palette: str, progress: Progress) -> tuple[bytes, ...]:
+    """The square and the triangle: the poses are compared once for both."""
     poses, borders = _common_time(analysis)
-    weights = analysis.parameters.get("weights")
     pooled = pooled_similarity(
         poses,
         size=_PIXELS,
         beta=analysis.beta,
-        weights=weights,
-        progress=lambda fraction, message="": report(0.35 * fraction, message or "comparing all moments"),
+        weights=analysis.parameters.get("weights"),
+        progress=lambda fraction, _="": progress(0.9 * fraction),
     )
     # several are named over their blocks
     name = analysis.sources[0].name if len(analysis.sources) == 1 else ""
     key = colour_key(palette)
 
-    report(0.35, "the square")
     square, ax = _page(_PIXELS, _PIXELS, left=130, right=45, bottom=150, top=85)
     similarity_plot(pooled, palette=palette, ax=ax)
     _borders(ax, borders, len(poses) / poses.fps, triangle=False)
@@ -138,47 +228,63 @@ def draw(analysis: Analysis, *, palette: str = "thesis", progress: Progress | No
             state_margin(ax, read, source=number, fps=read.sources[number].fps, begin=begin)
     _name_blocks(ax, analysis, [*begins, len(poses) / poses.fps])
     _caption(square, name, key)
+    square_file = figure_bytes(square, ".png")
 
-    report(0.5, "the triangle")
     triangle, ax = _page(_PIXELS, _PIXELS // 2, left=130, right=45, bottom=345 + 40 * bool(borders), top=85)
     similarity_triangle(pooled, palette=palette, ax=ax)
     figures_beneath(ax, analysis.motions)
     _borders(ax, borders, len(poses) / poses.fps, triangle=True)
     _name_blocks(ax, analysis, [*begins, len(poses) / poses.fps], height=-0.49)
     _caption(triangle, name, key + "; figures: a pose and, paler, the pose 1/6 s later")
+    return square_file, figure_bytes(triangle, ".png")
 
-    report(0.7, "the path")
+
+def _draw_path(analysis: Analysis, _: int, __: str, ___: Progress) -> tuple[bytes, ...]:
     symmetric = [(r.start, r.end) for r in analysis.symmetric_states] if len(analysis.sources) == 1 else []
     path, ax = _page(720, 670, left=120, right=35, bottom=100, top=75)
-    composite_plot(poses, symmetric=symmetric, ax=ax)
-    path_file = figure_bytes(path, ".svg")
+    composite_plot(_common_time(analysis)[0], symmetric=symmetric, ax=ax)
+    return (figure_bytes(path, ".svg"),)
 
-    report(0.75, "the motion graph")
-    graph_file, strips = path_file, None
-    if read.states:
-        figures = state_moments(read, analysis.motions) if len(read.states) <= _MOST_FIGURES else None
-        graph_file = figure_bytes(_figure(graph_plot(read, figures=figures)), ".svg")
-    if shown := strip_paths(read)[0]:
-        ax = path_strips(read, analysis.motions, paths=shown, moments=7)
-        strips = figure_bytes(_figure(ax), ".svg")
 
-    report(0.8, "the curves")
-    curves = tuple(figure_bytes(_curves(analysis, k), ".svg") for k in range(len(analysis.sources)))
-    phrases = tuple(
-        (k, figure_bytes(_phrases(analysis, k), ".svg"))
-        for k in range(len(analysis.sources))
-        if any(p.source == k for p in analysis.phrases)
-    )
-    motifs = None
-    if analysis.motifs:
-        motifs = figure_bytes(
-            _figure(motif_plot(analysis.motifs, analysis.motions, palette=palette, most=MOST_MOTIFS)), ".svg"
-        )
-    report(0.9, "writing the pictures")
-    square_file, triangle_file = figure_bytes(square, ".png"), figure_bytes(triangle, ".png")
-    result = Pictures(square_file, triangle_file, graph_file, path_file, strips, phrases, motifs, curves)
-    report(1.0, "pictures drawn")
-    return result
+def _draw_graph(analysis: Analysis, _: int, __: str, ___: Progress) -> tuple[bytes, ...]:
+    read = analysis.graph
+    figures = state_moments(read, analysis.motions) if len(read.states) <= _MOST_FIGURES else None
+    return (figure_bytes(_figure(graph_plot(read, figures=figures)), ".svg"),)
+
+
+def _draw_strips(analysis: Analysis, _: int, __: str, ___: Progress) -> tuple[bytes, ...]:
+    shown = strip_paths(analysis.graph)[0]
+    return (figure_bytes(_figure(path_strips(analysis.graph, analysis.motions, paths=shown, moments=7)), ".svg"),)
+
+
+def _draw_motifs(analysis: Analysis, _: int, palette: str, __: Progress) -> tuple[bytes, ...]:
+    ax = motif_plot(analysis.motifs, analysis.motions, palette=palette, most=MOST_MOTIFS)
+    return (figure_bytes(_figure(ax), ".svg"),)
+
+
+def _draw_curves(analysis: Analysis, source: int, _: str, __: Progress) -> tuple[bytes, ...]:
+    return (figure_bytes(_curves(analysis, source), ".svg"),)
+
+
+def _draw_phrases(analysis: Analysis, source: int, _: str, __: Progress) -> tuple[bytes, ...]:
+    return (figure_bytes(_phrases(analysis, source), ".svg"),)
+
+
+class _Kind(NamedTuple):
+    name: str
+    """For people who wait."""
+    draw: Callable[[Analysis, int, str, Progress], tuple[bytes, ...]]
+
+
+_SHEETS: Final = {
+    "pairs": _Kind("all pairs of moments", _draw_pairs),
+    "graph": _Kind("the motion graph", _draw_graph),
+    "strips": _Kind("the paths", _draw_strips),
+    "motifs": _Kind("what recurs", _draw_motifs),
+    "path": _Kind("the path of the body", _draw_path),
+    "curves": _Kind("the curves", _draw_curves),
+    "phrases": _Kind("the phrases", _draw_phrases),
+}
 
 
 def strip_paths(graph: MotionGraph) -> tuple[list[int], int]:
