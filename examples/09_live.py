@@ -1,6 +1,6 @@
 """Live: a performer who is told where to go while it walks, one frame after the other.
 
-The controller decides for paths, the renderer makes frames of them and knows nothing of what comes. Here the wish changes
+The controller decides for paths, a third of a second ahead; the renderer makes frames of them. Here the wish changes
 underway; in a game or an installation it would come from whoever stands in front of it.
 """
 
@@ -26,10 +26,10 @@ circle = kx.performer.walk(seconds=16, fps=30, route="circle").motion
 
 net = network(repertoire([straight, circle]))  # once: what can be gone over into what
 controller = Controller(net, Target((3.0, 3.0)), seed=1)
-live = LiveRenderer(net, ((step.path, step.turned) for step in iter(controller.step, None)))
+live = LiveRenderer(net, controller.choices())
 
 frames = list(itertools.islice(live, 5 * 30))
-controller.pursue(Target((-3.0, 5.0)))  # from the next path on
+controller.pursue(Target((-3.0, 5.0)))  # from the next decision on
 while not controller.attained and len(frames) < 30 * 30:
     frames.append(next(live))
 

@@ -10,7 +10,6 @@ from kinesics.synthesis import inverse_kinematics
 from kinesics.synthesis.stage import (
     LEAST_TURNING,
     LIFT,
-    RANGE_TOLERANCE,
     RELEASE,
     SINK,
     SOFTLY,
@@ -43,14 +42,16 @@ class Follower:
 
 
 class Treading:
-    """Keeps feet in place knowing only the past."""
+    """Keeps feet in place knowing little of what comes."""
 
     def __init__(self, stage) -> None:
         self.stage = stage
         self.legs = stage.legs
         self.joints = [*self.legs.femurs, *self.legs.tibias, *self.legs.feet]
         self.soles = None
-        self.drop = 0.0
+        self.lean, self.drop = np.zeros(2), 0.0
+        self.shift, self.velocity, self.acceleration = np.zeros((3, 2, 2))
+        self.stood = [False, False]
         self.slips = 0
         dt = 1.0 / stage.repertoire.fps
         self.turned = {j: Follower(max(stage.accelerations[j], LEAST_TURNING), dt) for j in self.joints}
@@ -73,7 +74,9 @@ class Treading:
         known = kinematics.forward(self.stage.repertoire.skeleton, rotations[None], root[None])
         return known.positions[0], self.stage.soles.place(known.positions, known.rotations)[0]
 
-    def step(self, rotations: np.ndarray, root: np.ndarray, image: int, frame: int) -> tuple[np.ndarray, np.ndarray]:
+    def step(
+        self, rotations: np.ndarray, root: np.ndarray, image: int, frame: int, coming
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Rotations and root of the frame as performed."""
         stage, dt = self.stage, 1.0 / self.stage.repertoire.fps
 
@@ -83,26 +86,35 @@ class Treading:
         held, near = self.around(frame, image, RELEASE), self.around(frame, image, LIFT)
         positions, soles = self.placed(rotations, root)
         height, lowest = soles[..., 1] - stage.levels, soles[..., 1].min(axis=1)
+        played = np.array([known.height for known in coming])
+        went = np.zeros((2, 2))
         if self.soles is None:
-            self.hold, self.lift, self.shift, self.lean = held, -near * lowest, np.zeros((2, 2)), np.zeros(2)
-            self.drawn, self.bears = np.zeros((2, 2)), np.zeros(2)
+            self.hold, self.lift, self.bears = held, near * (played - lowest), np.zeros(2)
         else:
             self.hold = np.clip(held, self.hold - dt / RELEASE, self.hold + dt / 0.03)
             share = bearing(0.5 * (height + self.height))
             slid = (share[..., None] * (soles - self.soles)[..., [0, 2]]).sum(axis=1)
-            back = (1.0 - self.hold) * eased(0.12)
-            still = self.hold / (1.0 + (np.linalg.norm(slid, axis=1) / (2.5 * dt)) ** 4)
-            drawn = still[:, None] * slid + back[:, None] * self.shift
-            for k in (0, 1):
-                leap = drawn[k] - self.drawn[k]
-                self.drawn[k] += leap * min(1.0, 60.0 * dt**2 / max(np.linalg.norm(leap), 1e-300))
-            self.shift = self.shift - self.drawn
+        for k, known in enumerate(coming):
+            stands = known.bears or (self.stood[k] and known.seconds < 0.13)
+            if self.soles is not None and stands:
+                away = slid[k] - [known.moves.imag, known.moves.real]
+                wanted = -away / dt / (1.0 + (np.linalg.norm(away) / (2.5 * dt)) ** 4)
+                change = wanted - self.velocity[k]
+                self.velocity[k] += change * min(1.0, 60.0 * dt / max(np.linalg.norm(change), 1e-300))
+                self.acceleration[k] = 0.0
+                self.shift[k] += dt * self.velocity[k]
+            elif self.soles is not None:
+                self.swing(k, known.seconds, 0.85 * self.lean, dt)
+            if stands and self.soles is not None:
+                went[k] = dt * self.velocity[k]
+            self.stood[k] = stands
+            self.bears[k] += eased(0.1) * ((known.seconds < 0.1) - self.bears[k])
         self.soles, self.height = soles, height
-        self.bears = self.bears + eased(0.1) * (self.hold - self.bears)
-        self.lift = self.lift + eased(SOFTLY) * (-near * lowest - self.lift)
+        self.lift = self.lift + eased(SOFTLY) * (near * (played - lowest) - self.lift)
         lift = np.maximum(self.lift, -lowest - SUNK)
         grip = self.hold.sum() + 0.05
-        self.lean = self.lean + eased(0.4) * (self.hold @ self.shift / grip - self.lean)
+        self.lean = self.lean + self.hold @ went / grip
+        self.lean = self.lean + eased(0.1) * (self.hold @ self.shift / grip - self.lean)
         targets = positions[list(self.legs.feet)] + np.stack([self.shift[:, 0], lift, self.shift[:, 1]], axis=1)
         leant = np.array([self.lean[0], 0.0, self.lean[1]])
         need = (shortfall(stage, (positions + leant)[None], targets[None])[0] * self.hold).max()
@@ -137,11 +149,34 @@ class Treading:
         positions, soles = self.placed(rotations, root)
         off = (targets - positions[list(self.legs.feet)])[:, [0, 2]]
         self.slips += int(np.abs(off).max() > 1e-6)
-        self.shift = self.shift - eased(0.1) * off
-        self.lean = self.lean + eased(0.1) * (self.hold @ off) / grip
+        self.shift = self.shift - eased(0.3) * off
+        self.lean = self.lean + eased(0.05) * (self.hold @ off)
         under = -soles[..., 1].min()
         raised = self.raised.follow(np.array([0.0, max(under - SUNK, 0.0), 0.0]))[1]
         return rotations, root + np.array([0.0, max(raised, under - 0.009), 0.0])
+
+    def swing(self, k: int, seconds: float, there: np.ndarray, dt: float) -> None:
+        """One frame of a foot that swings: the polynomial of fifth degree that comes to rest in its place."""
+        time = max(min(max(seconds - 0.04, 0.5 * seconds), 0.5), dt)
+        gently = self.shift[k] + 0.5 * time * self.velocity[k]
+        off = there - gently
+        there = gently + off * min(1.0, 25.0 * time**2 / 6.0 / max(np.linalg.norm(off), 1e-300))
+        here = [self.shift[k], self.velocity[k], 0.5 * self.acceleration[k]]
+        powers = time ** np.arange(6.0)
+        orders = np.array([powers, np.arange(6) * powers / time, np.arange(6) * np.arange(-1, 5) * powers / time**2])
+        ends = np.array([there, np.zeros(2), np.zeros(2)]) - orders[:, :3] @ here
+        curve = np.concatenate([here, np.linalg.solve(orders[:, 3:], ends)])
+        self.shift[k] = dt ** np.arange(6) @ curve
+        self.velocity[k] = np.arange(1, 6) * dt ** np.arange(5) @ curve[1:]
+        self.acceleration[k] = np.arange(1, 5) * np.arange(2, 6) * dt ** np.arange(4) @ curve[2:]
+
+    def leap(self, aside: complex) -> None:
+        """What is performed leaps over the floor; body and feet stay."""
+        by = np.array([aside.imag, aside.real])
+        self.lean = self.lean - by
+        self.shift = self.shift - by
+        self.body.aim, self.body.at = self.body.aim - [by[0], 0.0, by[1]], self.body.at - [by[0], 0.0, by[1]]
+        self.soles = self.soles + np.array([by[0], 0.0, by[1]])
 
     def worlds(self, rotations: np.ndarray, root: np.ndarray, joint: int) -> tuple[np.ndarray, np.ndarray]:
         """Orientations of a joint's parent and of the joint in the world."""
@@ -153,7 +188,7 @@ class Treading:
         """The rotation of a joint within its range."""
         stage = self.stage
         vector = quaternion.as_rotvec(seen_from(stage.middle[joint], q))
-        held = np.clip(vector, stage.low[joint] - RANGE_TOLERANCE, stage.high[joint] + RANGE_TOLERANCE)
+        held = np.clip(vector, stage.low[joint], stage.high[joint])
         return quaternion.multiply(stage.middle[joint], quaternion.from_rotvec(held))
 
     def toward(self, rotations: np.ndarray, joint: int, wanted: np.ndarray) -> None:

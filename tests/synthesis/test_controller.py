@@ -210,7 +210,7 @@ def test_plans_count_how_paths_meet(net: Network) -> None:
     controller.step()
     for _ in range(30):
         controller._intention = None
-        row = controller._row()
+        row = controller._row(controller._weigh())
         composite = row.best(int(np.argmax(row.probabilities)))
         place, heading = controller.now.place, controller.now.heading
         assert composite.paths[0] == controller.step().path

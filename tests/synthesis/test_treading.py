@@ -9,6 +9,7 @@ import pytest
 
 import kinesics as kx
 from kinesics.geometry import quaternion
+from kinesics.synthesis.foresight import Foresight, Stretch
 from kinesics.synthesis.network import Network, network
 from kinesics.synthesis.repertoire import repertoire
 from kinesics.synthesis.stage import Stage
@@ -29,6 +30,7 @@ def beside_the_twin(made: Network, count: int, rng: np.random.Generator) -> tupl
     own = made.repertoire
     stage = Stage.of(own)
     here, twin = Treading(stage), naive.Treading(stage)
+    foresight = Foresight.of(stage)
     inner = np.setdiff1d([*stage.legs.femurs, *stage.legs.tibias, *stage.legs.feet], [stage.carrier])
     turned = moved = 0.0
     frame = image = 0
@@ -36,6 +38,10 @@ def beside_the_twin(made: Network, count: int, rng: np.random.Generator) -> tupl
     for k in range(count):
         if k % 25 == 0:
             frame, image = int(rng.integers(own.frame_count - 30)), int(rng.integers(2))
+            leap = complex(*rng.normal(0.0, 0.03, 2))
+            if k:
+                here.leap(leap)
+                twin.leap(leap)
             noise = quaternion.from_rotvec(rng.normal(0.0, 0.1, (len(inner), 3)))
         frame += 1
         rotations = own.rotations[image, frame].copy()
@@ -43,8 +49,10 @@ def beside_the_twin(made: Network, count: int, rng: np.random.Generator) -> tupl
         place += np.array([0.01, 0.0, 0.03])
         root = np.array([place[0], own.root_positions[image, frame, 1], place[2]])
         given = rotations.copy()
-        q, there = twin.step(given, root, image, frame)
-        found = np.array(here.step(rotations, tuple(root.tolist()), image, frame))
+        left = 25 - k % 25
+        coming = foresight.coming([Stretch(0, 0, image, frame, 1, left, 0.3, 0.01, [0j] * left)], 0)
+        q, there = twin.step(given, root, image, frame, coming)
+        found = np.array(here.step(rotations, tuple(root.tolist()), image, frame, coming))
         turned = max(turned, float(quaternion.angle(q, rotations).max()))
         moved = max(moved, float(np.abs(found - there).max()))
         others = np.setdiff1d(np.arange(own.skeleton.joint_count), twin.joints)

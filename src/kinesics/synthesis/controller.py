@@ -22,7 +22,7 @@ if the floor had been turned under the feet; standing, nothing is turned. ``bend
 from __future__ import annotations
 
 import cmath
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
@@ -284,7 +284,7 @@ class Controller:
         """The row of P for the next decision."""
         if self.now.path < 0:
             return self._opening()
-        row = self._row()
+        row = self._row(self._weigh())
         return Transition(row.paths, row.probabilities)
 
     def step(self, frames: int | None = None) -> Step:
@@ -295,8 +295,24 @@ class Controller:
         frames : for how many of its frames there is time, where it is the last and may be cut short: what would come after
             them attains nothing. All if not given.
         """
-        path, bend = self._decide()
-        return self._play(path, bend, frames)
+        thinking = self._decide()
+        while True:
+            try:
+                next(thinking)
+            except StopIteration as decided:
+                path, bend = decided.value
+                return self._play(path, bend, frames)
+
+    def choices(self) -> Iterator[tuple[int, float] | None]:
+        """What `kinesics.synthesis.live.LiveRenderer` asks for: paths, and by how many radians each is turned besides.
+
+        Each decision is made in parts, None after each but the last, so that none takes long. Whatever is wished for
+        meanwhile (`pursue`) counts: it is then thought over anew. The paths are those of `step`.
+        """
+        while True:
+            path, bend = yield from self._decide()
+            step = self._play(path, bend)
+            yield step.path, step.turned
 
     def frame(self) -> Frame:
         """The next frame for a live avatar: decides whenever a path has been played to its end."""
@@ -329,32 +345,50 @@ class Controller:
                 yield Frame(moment, (place.imag, place.real), heading, jump)
                 jump = False
 
-    def _decide(self) -> tuple[int, float]:
+    def _decide(self) -> Generator[None, None, tuple[int, float]]:
+        """The next path and its bend; in parts."""
+        while True:
+            wishes = self._pursuits
+            at_once = self._without_choice()
+            if at_once is not None:
+                return at_once, 0.0
+            weighed = self._weigh()
+            yield
+            if self._pursuits is not wishes:
+                continue
+            row = self._row(weighed)
+            yield
+            if self._pursuits is wishes:
+                return self._taken(row)
+
+    def _without_choice(self) -> int | None:
+        """The next path where rows of P are not asked: one that was planned, the first, one on the way to a stance."""
         now = self.now
         for pursuit in self._pursuits if not self._queue else ():
             plan = pursuit.plan(now)
             if plan:
                 self._queue = plan
         if self._queue:
-            return self._queue.pop(0), 0.0
+            return self._queue.pop(0)
         if now.path < 0:
             opening = self._opening()
-            return int(opening.paths[_drawn(opening.probabilities, self._rng)]), 0.0
-        stop = self._stopping
-        if stop is not None:
-            goal = self._last_target()
-            if goal is not None:
-                self._braking = self._braking or goal.done(now) or stop.ends_at(now, goal)
-                if self._braking:
-                    return stop.next(now.path, self._rng), 0.0
-        row = self._row()
+            return int(opening.paths[_drawn(opening.probabilities, self._rng)])
+        stop, goal = self._stopping, self._last_target()
+        if stop is not None and goal is not None:
+            self._braking = self._braking or goal.done(now) or stop.ends_at(now, goal)
+            if self._braking:
+                return stop.next(now.path, self._rng)
+        return None
+
+    def _taken(self, row: _Row) -> tuple[int, float]:
+        """One of a row of P, and its bend; what is intended behind it is remembered."""
         chosen = _drawn(row.probabilities, self._rng)
         composite = row.best(chosen)
         bend = 0.0
         if self._bend > 0.0:
             for pursuit in self._pursuits:
                 if isinstance(pursuit, TrailPursuit) and pursuit.steers:
-                    bend = pursuit.bend(composite.trail, now, self._bend)
+                    bend = pursuit.bend(composite.trail, self.now, self._bend)
                     break
         self._intention = self._after(composite)
         return int(row.paths[chosen]), bend
@@ -365,16 +399,22 @@ class Controller:
                 return pursuit
         return None
 
-    def _row(self) -> _Row:
+    def _weigh(self) -> Array:
+        """What all composites miss that may come next."""
         now = self.now
         low, high = self._indptr[now.path], self._indptr[now.path + 1]
-        first = self._rows[low]
-        rows = slice(first, self._rows[high])
+        rows = slice(self._rows[low], self._rows[high])
         miss = self._misses(rows)
         if now.since_jump < self._hold:
             hasty = self.prospects.first_jump[rows] + now.since_jump < self._hold
             if not hasty.all():
                 miss[hasty] = np.inf
+        return miss
+
+    def _row(self, miss: Array) -> _Row:
+        """The row of P, of what the composites miss."""
+        low, high = self._indptr[self.now.path], self._indptr[self.now.path + 1]
+        first = self._rows[low]
         groups = self.prospects.start[low:high] - first
         least = np.minimum.reduceat(miss, groups)
         paths = self.network.indices[low:high]

@@ -9,6 +9,7 @@ import bisect
 import cmath
 import math
 import operator
+from collections import deque
 from collections.abc import Iterable, Sequence
 from typing import Final, NamedTuple
 
@@ -19,7 +20,9 @@ from kinesics.errors import InputError
 from kinesics.geometry import quaternion, single
 from kinesics.geometry.single import Quaternion, Vector
 from kinesics.synthesis import blending
+from kinesics.synthesis.foresight import Foresight, Stretch
 from kinesics.synthesis.network import Network
+from kinesics.synthesis.rehearsal import Rehearsal
 from kinesics.synthesis.repertoire import BACKWARD_STRANDS
 from kinesics.synthesis.stage import SPARED, Stage
 from kinesics.synthesis.treading import Treading
@@ -33,6 +36,14 @@ _UNDONE: Final = quaternion.multiply(quaternion.conjugate(_UNITS)[:, None], _UNI
 """The same of a⁻¹·b."""
 
 
+AHEAD: Final = 0.3
+"""Seconds of what comes that are known where nothing else is said: about as long as a human takes to change its mind."""
+_SHORTLY: Final = 3
+"""Frames: while fewer are known it is hurried."""
+LONGEST_AHEAD: Final = 10.0
+"""Seconds."""
+
+
 class LiveFrame(NamedTuple):
     """One frame, as it is performed."""
 
@@ -42,36 +53,85 @@ class LiveFrame(NamedTuple):
     """Place of the root, metres, shape (3,)."""
 
 
-class LiveRenderer:
-    """Performs paths frame by frame, as they are chosen: nothing is known of what comes.
+class _Blend(NamedTuple):
+    """A transition."""
 
-    A transition takes its whole offset away after the cut (`kinesics.synthesis.blending.one_sided`); a foot stays where it
-    came down, and comes back to its place in the recording while it swings. An iterator of `LiveFrame`; it ends when the
-    paths do.
+    cut: int
+    """The frame at which another recording is entered."""
+    ends: int
+    offset: Array
+    """Of joints and root, shape (joints + 1, 3)."""
+    velocity: Array
+    before: float
+    """Seconds that it takes."""
+    after: float
+    share: float
+    """Of the offset that is borne before the cut."""
+    leap: complex
+    """By how much what is then performed lies beside where its feet would stand where those stand that are left, z + i·x."""
+
+    def at(self, time: float) -> Array:
+        """What it adds so many seconds from the cut: `kinesics.synthesis.blending.two_sided`."""
+        share, span = (self.share, self.before) if time < 0.0 else (self.share - 1.0, self.after)
+        t = min(abs(time) / span, 1.0) if span > 0.0 else 1.0
+        rest = 1.0 - t
+        cube = share * rest * rest * rest
+        faster = cube * span * (t + 3.0 * t * t) * (-1.0 if time < 0.0 else 1.0)
+        return (cube * (1.0 + 3.0 * t + 6.0 * t * t)) * self.offset + faster * self.velocity
+
+
+class _Crossing(NamedTuple):
+    """From one recording into another."""
+
+    left: int
+    """The moment with which what is left would have gone on."""
+    first: int
+    """The one that is entered."""
+    aside: complex
+    """By which its root lies elsewhere, z + i·x, metres."""
+    turn: float
+    """By which it is turned about the vertical, radians."""
+    met: float
+    """By which it faces elsewhere."""
+    offset: Array
+    """Of joints and root, shape (joints + 1, 3)."""
+    velocity: Array
+
+
+class LiveRenderer:
+    """Performs paths frame by frame, as they are chosen, knowing little of what comes.
+
+    A transition begins as soon as it is known (`kinesics.synthesis.blending.two_sided`), at the latest with the cut. A foot
+    comes down where it will be needed (`kinesics.synthesis.foresight`) and stays there. An iterator of `LiveFrame`; it ends
+    when the paths do.
 
     Parameters
     ----------
     network : of the paths.
     paths : numbers of paths, each a successor of the one before, or pairs of such a number and the radians that the path is
-        turned by besides, as ``bend`` of `render`; the next is asked for as the one before has ended.
+        turned by besides, as ``bend`` of `render`; None where none is decided for yet: then it is asked again a frame later.
     start, heading : see `render`.
     pinned : whether feet are kept in place.
+    ahead : seconds that are to be known: the next path is asked for as soon as less is. With 0 it is asked for as the one
+        before has ended, and feet and transitions begin late. Asking for a path and getting ready for it are done in frames
+        of their own, where there is time.
 
     Raises
     ------
     InputError
-        If ``start`` or ``heading`` is not finite or ``paths`` cannot be gone through; on the way, if a path is none, does not
-        follow the one before or its bend is not finite.
+        If ``start``, ``heading`` or ``ahead`` is not finite or ``paths`` cannot be gone through; on the way, if a path is none,
+        does not follow the one before or its bend is not finite.
     """
 
     def __init__(
         self,
         network: Network,
-        paths: Iterable[int | tuple[int, float]],
+        paths: Iterable[int | tuple[int, float] | None],
         *,
         start: ArrayLike = (0.0, 0.0),
         heading: float = 0.0,
         pinned: bool = True,
+        ahead: float = AHEAD,
     ) -> None:
         try:
             origin, faced = np.asarray(start, dtype=np.float64), float(heading)
@@ -81,10 +141,16 @@ class LiveRenderer:
             raise InputError(f"Expected `start` as finite x, z and a finite `heading`, got {start!r} and {heading!r}.")
         if not isinstance(paths, Iterable):
             raise InputError(f"Expected `paths` as numbers of paths one after the other, got {paths!r}.")
+        if not (isinstance(ahead, int | float) and 0.0 <= ahead <= LONGEST_AHEAD):
+            raise InputError(f"Expected `ahead` in seconds, from 0 to {LONGEST_AHEAD:g}, got {ahead!r}.")
         self.network, self.pinned = network, pinned
         self.stage = Stage.of(network.repertoire)
         self._paths = iter(paths)
         self._treading = Treading(self.stage)
+        self._rehearsal = Rehearsal.of(self.stage) if pinned else None
+        self._foresight = Foresight.of(self.stage)
+        if self._rehearsal is not None:
+            self._moved = self._rehearsal.roots - network.repertoire.root_positions
         # joints that the body's carrier hangs on, from the root on
         self._above: list[int] = []
         joint = self.stage.carrier
@@ -93,23 +159,24 @@ class LiveRenderer:
             self._above.insert(0, joint)
         self._starts = network.repertoire.starts.tolist()
         network.edges(0, 0), network.met, network.onward  # tables that are made when first asked for
-        joints = network.repertoire.skeleton.joint_count
         self.path = -1
         """Number of the path that is being performed, −1 before the first frame."""
         self.moment = -1
         """Moment of the repertoire that is being performed."""
         self.place = origin.copy()
-        """Where the root goes next, x and z, metres: where the next path begins, once a path has ended."""
+        """Where the root is to be where the next path that is asked for begins, x and z, metres."""
         self.heading = faced
         """The same of the heading, radians."""
-        self._left = 0
-        self._onwards = 1
         self._turn = 0.0
-        self._bend = 0.0
-        self._offset = np.zeros((joints + 1, 3))
-        self._velocity = np.zeros((joints + 1, 3))
-        self._since = np.inf
-        self._duration = 1.0
+        self._known: deque[Stretch] = deque()
+        self._at = 0
+        self._last = -1
+        self._chosen: tuple[int, float] | None = None
+        self._crossing: _Crossing | None = None
+        self._ended = False
+        self._ahead = round(ahead * network.repertoire.fps)
+        self._frame = self._reaches = 0
+        self._blends: list[_Blend] = []
 
     def __iter__(self) -> LiveRenderer:
         """Itself."""
@@ -127,33 +194,63 @@ class LiveRenderer:
         StopIteration
             If the paths have ended.
         """
-        repertoire = self.network.repertoire
-        if self._left == 0:
-            self._begin(next(self._paths))
-        else:
-            self.moment += self._onwards
-        self._left -= 1
-        # within a path, and just behind it, the recording goes on: no need to ask how far it reaches
-        strand, frame = divmod(self.moment, repertoire.frame_count)
-        image, onward = strand % 2, frame + self._onwards
-        rotations = repertoire.rotations[image, frame].copy()
-        rotations[self.stage.carrier] = self._faced(rotations, self._turn)
-        here, after = repertoire.root_positions[image, [frame, onward]].tolist()
-        root = (float(self.place[0]), here[1], float(self.place[1]))
-        x, _, z = _turned(single.subtract(after, here), self._turn + 0.5 * self._bend)
-        self.place += x, z
-        self._turn += self._bend
-        yaw = float(repertoire.poses.yaw[onward])
-        self.heading = (-yaw if image else yaw) + self._turn
-        if self._since < self._duration:
-            added = blending.decay(self._offset, self._velocity, np.full(1, self._since), self._duration)
+        self._look()
+        playing = self._known[0]
+        image, frame = playing.image, playing.frame + self._at * playing.onward
+        self.path, self.moment = playing.path, playing.moment + self._at * playing.onward
+        turn = playing.turn + self._at * playing.bend
+        rotations, root = self._pose(image, frame, turn, playing.places[self._at])
+        added = self._added()
+        if added is not None:
             rotations = self._inside(_added(rotations, added[:-1]))
             x, y, z = added[-1].tolist()
             root = single.add(root, (x, y, z))
-            self._since += 1.0 / repertoire.fps
         if self.pinned:
-            root = self._treading.step(rotations, root, image, frame)
+            for blend in self._blends:
+                if blend.cut == self._frame:
+                    self._treading.leap(blend.leap)
+            root = self._treading.step(rotations, root, image, frame, self._foresight.coming(self._known, self._at))
+        self._at += 1
+        self._frame += 1
+        if self._at == playing.length:
+            self._known.popleft()
+            self._at = 0
         return LiveFrame(rotations, np.array(root))
+
+    def _look(self) -> None:
+        """Ask for what comes, and get ready for it: one after the other, if there is time."""
+        for _ in range(1 if self._reaches - self._frame >= _SHORTLY else 2):
+            self._prepare()
+        while not self._known:
+            if self._ended:
+                raise StopIteration
+            self._prepare()
+
+    def _prepare(self) -> None:
+        if self._chosen is not None:
+            if self._crossing is None:
+                self._crossing = self._crossed(self._chosen[0])
+                if self._crossing is not None:
+                    return
+            self._lay(*self._chosen)
+            self._chosen = self._crossing = None
+        elif not self._ended and self._reaches - self._frame <= self._ahead:
+            try:
+                chosen = next(self._paths)
+            except StopIteration:
+                self._ended = True
+            else:
+                self._chosen = None if chosen is None else self._checked(chosen)
+
+    def _added(self) -> Array | None:
+        """What transitions add to joints and root, shape (joints + 1, 3)."""
+        total: Array | None = None
+        for blend in self._blends:
+            added = blend.at((self._frame - blend.cut) / self.network.repertoire.fps)
+            total = added if total is None else total + added
+        if self._blends and self._blends[0].ends <= self._frame:
+            self._blends = [blend for blend in self._blends if blend.ends > self._frame]
+        return total
 
     def _faced(self, rotations: Array, turn: float) -> Quaternion:
         """The rotation of the joint that a body hangs on, turned about the vertical: see `turn_bodies`."""
@@ -165,8 +262,9 @@ class LiveRenderer:
             yaw = single.undo(above, single.multiply(yaw, above))
         return single.multiply(yaw, _plain(rotations[self.stage.carrier]))
 
-    def _begin(self, chosen: int | tuple[int, float]) -> None:
-        network, repertoire = self.network, self.network.repertoire
+    def _checked(self, chosen: int | tuple[int, float]) -> tuple[int, float]:
+        """A path and its bend, if it is one and may be next."""
+        network = self.network
         try:
             number, turned = chosen if isinstance(chosen, tuple) else (chosen, 0.0)
             path, bend = operator.index(number), float(turned)
@@ -178,46 +276,69 @@ class LiveRenderer:
             )
         if not 0 <= path < len(network):
             raise InputError(f"Expected a path below {len(network)}, got {path}.")
-        first = int(network.first[path])
-        if self.path < 0:
-            self._turn = self.heading - float(repertoire.yaw_of(first))
-        else:
-            edge = int(network.edges(self.path, path))
-            if edge < 0:
-                raise InputError(f"Path {path} does not follow path {self.path}.")
-            left = int(network.onward[self.path])
-            if first != left:
-                self._cut(left, first, edge)
-        self.path, self.moment, self._left = path, first, int(network.length[path])
-        self._bend = bend / self._left
-        self._onwards = -1 if bool(repertoire.is_backward(first)) else 1
+        if self._last >= 0 and int(network.edges(self._last, path)) < 0:
+            raise InputError(f"Path {path} does not follow path {self._last}.")
+        return path, bend
 
-    def _cut(self, left: int, first: int, edge: int) -> None:
-        repertoire, stage = self.network.repertoire, self.stage
+    def _lay(self, path: int, bend: float) -> None:
+        """Put a path behind those that are known."""
+        network, repertoire = self.network, self.network.repertoire
+        first, length = int(network.first[path]), int(network.length[path])
+        if self._last < 0:
+            self._turn = self.heading - float(repertoire.yaw_of(first))
+        elif self._crossing is not None:
+            self._cut(self._crossing)
+        strand, frame = divmod(first, repertoire.frame_count)
+        image, onward = strand % 2, -1 if BACKWARD_STRANDS[strand] else 1
+        bent = bend / length
+        frames = frame + onward * np.arange(length + 1)
+        roots = repertoire.root_positions[image, frames]
+        moved = np.diff(roots[:, 2] + 1j * roots[:, 0]) * np.exp(1j * (self._turn + bent * (np.arange(length) + 0.5)))
+        places = complex(self.place[1], self.place[0]) + np.concatenate([[0j], np.cumsum(moved)])
+        self._known.append(Stretch(path, first, image, frame, onward, length, self._turn, bent, places[:-1].tolist()))
+        self._last = path
+        self._reaches += length
+        self.place = np.array([places[-1].imag, places[-1].real])
+        self._turn += bend
+        yaw = float(repertoire.poses.yaw[frames[-1]])
+        self.heading = (-yaw if image else yaw) + self._turn
+
+    def _crossed(self, path: int) -> _Crossing | None:
+        """How a path is gone over into, if its recording is another."""
+        network, repertoire = self.network, self.network.repertoire
+        if self._last < 0:
+            return None
+        left, first = int(network.onward[self._last]), int(network.first[path])
+        if first == left:
+            return None
         # how the two meet: as the controller and `kinesics.synthesis.rendering` have it
-        place, met = (complex(values[edge]) for values in self.network.met)
+        edge = int(network.edges(self._last, path))
+        place, met = (complex(values[edge]) for values in network.met)
         aside = place * cmath.exp(1j * self.heading)
         turn = self._turn + float(repertoire.yaw_of(left)) + met.real - float(repertoire.yaw_of(first))
-        offset, velocity = self._seam(left, first, turn, aside)
-        self.place += aside.imag, aside.real
-        self.heading += met.real
-        # what is still left of the last transition goes along
-        rest, speed = np.zeros_like(self._offset), np.zeros_like(self._velocity)
-        if self._since < self._duration:
-            dt = 0.5 / repertoire.fps
-            at = np.array([max(self._since - dt, 0.0), self._since, self._since + dt])
-            before, rest, after = blending.decay(self._offset, self._velocity, at[:, None], self._duration)
-            speed = (after - before) / (at[2] - at[0])
-        self._offset, self._velocity = rest - offset, speed - velocity
-        which = stage.blended
-        span = blending.window(
-            np.linalg.norm(self._offset[which], axis=-1),
-            np.linalg.norm(self._velocity[which], axis=-1),
-            SPARED * stage.accelerations[which],
+        return _Crossing(left, first, aside, turn, met.real, *self._seam(left, first, turn, aside))
+
+    def _cut(self, crossing: _Crossing) -> None:
+        stage, fps, (left, first, aside, turn, met, offset, velocity) = (
+            self.stage,
+            self.network.repertoire.fps,
+            crossing,
         )
-        # one side alone has twice the offset to take away
-        self._duration = min(np.sqrt(2.0) * span.after, blending.LONGEST)
-        self._since = 0.0
+        leap = self._apart(left, first, turn, aside) if self.pinned else 0j
+        offset[-1, 0] -= leap.imag
+        offset[-1, 2] -= leap.real
+        self.place += aside.imag, aside.real
+        self.heading += met
+        which = stage.blended
+        half = blending.window(
+            _sizes(offset[which]), _sizes(velocity[which]), SPARED * stage.accelerations[which]
+        ).after
+        before = min(half, (self._reaches - self._frame) / fps)
+        # what there is no time for before the cut has to be done after it
+        after = min(math.sqrt(2.0 * half * half - before * before), blending.LONGEST)
+        share = before * before / (before * before + after * after)
+        ends = self._reaches + math.ceil(after * fps)
+        self._blends.append(_Blend(self._reaches, ends, offset, velocity, before, after, share, leap))
         self._turn = turn
 
     def _seam(self, left: int, first: int, turn: float, aside: complex) -> tuple[Array, Array]:
@@ -229,9 +350,14 @@ class LiveRenderer:
         here = [a if both else here[1] for a, both in zip(here, reached, strict=True)]
         there = [b if both else there[1] for b, both in zip(there, reached, strict=True)]
         old, new = repertoire.rotations[image, here], repertoire.rotations[entered, there]
-        offsets = np.empty((3, len(self._offset), 3))
+        places = repertoire.root_positions
+        if self._rehearsal is not None:
+            old[:, self._rehearsal.joints] = self._rehearsal.rotations[image, here]
+            new[:, self._rehearsal.joints] = self._rehearsal.rotations[entered, there]
+            places = self._rehearsal.roots
+        offsets = np.empty((3, old.shape[1] + 1, 3))
         offsets[:, :-1] = _offset(old, new)
-        roots = repertoire.root_positions[image, here].tolist(), repertoire.root_positions[entered, there].tolist()
+        roots = places[image, here].tolist(), places[entered, there].tolist()
         for k, (before, after) in enumerate(zip(*roots, strict=True)):
             own, other = self._faced(old[k], self._turn), self._faced(new[k], turn)
             offsets[k, self.stage.carrier] = single.as_rotvec(single.undo(own, other))
@@ -241,8 +367,36 @@ class LiveRenderer:
         velocity = change * (fps / span) if span else np.zeros_like(change)
         # a rotation vector leaps where it passes half a turn; such an offset has no velocity that could be told
         velocity[np.einsum("ij,ij->i", change, change) >= 4.0] = 0.0
-        now[-1, 0], now[-1, 2] = aside.imag, aside.real
+        x, z = aside.imag, aside.real
+        if self._rehearsal is not None:
+            before, after = self._moved[image, here[1]].tolist(), self._moved[entered, there[1]].tolist()
+            further = single.subtract(_turned(after, turn), _turned(before, self._turn))
+            x, z = x + further[0], z + further[2]
+        now[-1, 0], now[-1, 2] = x, z
         return now, velocity
+
+    def _apart(self, left: int, first: int, turn: float, aside: complex) -> complex:
+        """By how much bearing feet stand elsewhere in what is entered."""
+        poses: list[tuple[Array, Vector]] = []
+        borne = [1.0, 1.0]
+        for moment, yaw, place in ((left, self._turn, 0j), (first, turn, aside)):
+            strand, frame = divmod(moment, self.network.repertoire.frame_count)
+            image = strand % 2
+            rotations, (x, y, z) = self._pose(image, frame, yaw, place)
+            poses.append((rotations, (x, y, z)))
+            borne = [a * b for a, b in zip(borne, self._treading.held(image, frame), strict=True)]
+        return self._treading.apart(poses[0], poses[1], borne)
+
+    def _pose(self, image: int, frame: int, turn: float, place: complex) -> tuple[Array, Vector]:
+        """What is performed in a frame, turned and put in its place: rotations (joints, 4), and where the root is."""
+        repertoire, rehearsal = self.network.repertoire, self._rehearsal
+        rotations = repertoire.rotations[image, frame].copy()
+        root: Vector = (place.imag, float(repertoire.root_positions[image, frame, 1]), place.real)
+        if rehearsal is not None:
+            rotations[rehearsal.joints] = rehearsal.rotations[image, frame]
+            root = single.add(root, _turned(self._moved[image, frame].tolist(), turn))
+        rotations[self.stage.carrier] = self._faced(rotations, turn)
+        return rotations, root
 
     def _around(self, moment: int) -> tuple[int, list[int]]:
         """Which image a moment plays, and the frames before, at and after it, −1 where its recording does not reach."""
@@ -280,6 +434,10 @@ def _added(q: Array, offset: Array) -> Array:
     turn[..., 0] = np.cos(0.5 * angle)
     turn[..., 1:] = (np.sin(0.5 * angle) / np.maximum(angle, 1e-150))[..., None] * offset
     return np.asarray((q[..., :, None] * turn[..., None, :]).reshape(*q.shape[:-1], 16) @ _MULTIPLIED)
+
+
+def _sizes(vectors: Array) -> Array:
+    return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)))
 
 
 def _plain(rotation: Array) -> Quaternion:

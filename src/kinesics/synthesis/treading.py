@@ -1,8 +1,10 @@
-"""Feet kept in place live, knowing only the past and what the recordings themselves would do next ([Schultz2012] §4.4).
+"""Feet kept in place live, knowing little of what comes ([Schultz2012] §4.4).
 
-A foot stays where it came down, and comes back to its place in the recording while it swings; the body goes after its feet.
-Nothing snaps: what is added to the recording, to the body's place as to the rotations of the legs, goes after what is asked no
-more quickly than the recordings accelerate the same (`_Gently`); what a leg then lacks for a few frames, its foot slides.
+What is played has its feet on the ground (`kinesics.synthesis.rehearsal`); transitions and bends move them. A foot that bears
+stays where it came down, and the body goes along with it; one that swings comes back to its place in what is played, and the
+body with it, step by step. At a cut the body stays over the feet that bear, wherever those of the recording entered stand.
+Nothing snaps: what is added to the body's place and to the rotations of the legs goes after what is asked no more quickly than
+the recordings accelerate the same (`_Gently`). No joint leaves its range; what a leg then lacks, its foot slides.
 `kinesics.synthesis.planting` does it for a whole performance at once. Here it is done in plain numbers, and for the joints
 between root and soles alone: see `kinesics.geometry.single`.
 """
@@ -20,12 +22,12 @@ from numpy.typing import NDArray
 from kinesics.geometry import single
 from kinesics.geometry.single import Quaternion, Vector
 from kinesics.synthesis import inverse_kinematics
+from kinesics.synthesis.foresight import Coming
 from kinesics.synthesis.repertoire import Repertoire
 from kinesics.synthesis.stage import (
     BEARING,
     LEAST_TURNING,
     LIFT,
-    RANGE_TOLERANCE,
     RELEASE,
     SINK,
     SOFTLY,
@@ -36,18 +38,26 @@ from kinesics.synthesis.stage import (
 
 Array = NDArray[np.float64]
 
-_SLIPPED: Final = 0.1
+_SLIPPED: Final = 0.3
 """Seconds in which a foot slides for good by two thirds of what its leg falls short of."""
-_FOLLOWED: Final = 0.1
+_FOLLOWED: Final = 0.05
 """The same of the body going along."""
 _DEEPEST: Final = 0.009
 """Metres below the floor that nothing goes."""
 _GRASP: Final = 0.03
 """Seconds in which a foot that is on the ground after a cut is grasped."""
-LIVE_LEAN: Final = 0.4
-"""Seconds in which, live, the body follows its feet by two thirds: quicker it would lurch, for it cannot begin before."""
-RETURN: Final = 0.12
-"""Seconds in which, live, a swinging foot comes back to its place in the recording by two thirds."""
+LIVE_LEAN: Final = 0.1
+"""Seconds in which, live, the body comes between its feet by two thirds."""
+_SWING: Final = 0.5
+"""Seconds in which a foot comes back to its place that swings for longer, or for nobody knows how long."""
+_EARLY: Final = 0.04
+"""Seconds before it comes down that it is over its place: a sole bears a little before it rests."""
+_GENTLY: Final = 25.0
+"""m/s² that are added to a swinging foot so that it comes down in its place."""
+_KEPT: Final = 0.85
+"""Share of what the body is beside its place that is left a step later."""
+SHORTEST_GAP: Final = 0.13
+"""Seconds: no foot is lifted for less."""
 _FLIGHT: Final = 0.05
 """What weighs for no shift at all, so that a body in flight comes back."""
 _ROUNDING: Final = 1e-9
@@ -93,18 +103,22 @@ class Treading:
         self._leans = _eased(1.0 / fps, LIVE_LEAN)
         self._sinks, self._sinks_quickly = _eased(1.0 / fps, SINK), _eased(1.0 / fps, 0.25 * SINK)
 
-    def step(self, rotations: Array, root: Vector, image: int, frame: int) -> Vector:
+    def step(self, rotations: Array, root: Vector, image: int, frame: int, coming: tuple[Coming, Coming]) -> Vector:
         """Plant the feet of one frame: the legs' rotations, of (joints, 4), in place; and where the root comes to be."""
         feet = self._feet
         local = list(map(tuple, rotations[self._joints].tolist()))
         places, world = self._forward(local, root)
-        for foot, held, near in zip(
-            feet, self._held[image, frame].tolist(), self._near[image, frame].tolist(), strict=True
-        ):
-            foot.follow(places, world, held, near)
+        held, near = self._held[image, frame].tolist(), self._near[image, frame].tolist()
+        lean = complex(self._lean_z, self._lean_x)
+        for k, foot in enumerate(feet):
+            foot.follow(places, world, held[k], near[k], coming[k], _KEPT * lean)
         grip = sum(foot.hold for foot in feet) + _FLIGHT
-        self._lean_x += self._leans * (sum(foot.hold * foot.shift_x for foot in feet) / grip - self._lean_x)
-        self._lean_z += self._leans * (sum(foot.hold * foot.shift_z for foot in feet) / grip - self._lean_z)
+        # what bears moves beside the recording, and the body with it
+        along = sum(foot.hold * foot.went for foot in feet) / grip
+        self._lean_x += along.imag
+        self._lean_z += along.real
+        self._lean_x += self._leans * (sum(foot.hold * foot.shift.imag for foot in feet) / grip - self._lean_x)
+        self._lean_z += self._leans * (sum(foot.hold * foot.shift.real for foot in feet) / grip - self._lean_z)
         need = max(foot.shortfall(places, self._lean_x, self._lean_z) * foot.hold for foot in feet)
         self._drop += (self._sinks_quickly if need > self._drop else self._sinks) * (need - self._drop)
         shift = self._body.follow((self._lean_x, -self._drop, self._lean_z))
@@ -112,13 +126,43 @@ class Treading:
         for foot in feet:
             # a foot whose leg was held back slides, and the body goes after it from the next frame on
             (x, _, z), under = foot.reach(places, world, local, shift)
-            self._lean_x += self._follows * foot.hold * x / grip
-            self._lean_z += self._follows * foot.hold * z / grip
+            self._lean_x += self._follows * foot.hold * x
+            self._lean_z += self._follows * foot.hold * z
             lowest = min(lowest, under)
             for limb in foot.limbs:
                 rotations[limb.joint] = local[limb.at]
         _, raised, _ = self._raised.follow((0.0, max(-lowest - SUNK, 0.0), 0.0))
         return root[0] + shift[0], root[1] + shift[1] + max(raised, -lowest - _DEEPEST), root[2] + shift[2]
+
+    def held(self, image: int, frame: int) -> list[float]:
+        """How firmly the recording holds either foot."""
+        return [float(held) for held in self._held[image, frame]]
+
+    def leap(self, aside: complex) -> None:
+        """Let what is performed leap from here on over the floor, z + i·x, metres: the body stays where it is, and its feet."""
+        self._lean_z -= aside.real
+        self._lean_x -= aside.imag
+        self._body.leap((-aside.imag, 0.0, -aside.real))
+        for foot in self._feet:
+            foot.leap(aside)
+
+    def apart(self, left: tuple[Array, Vector], entered: tuple[Array, Vector], borne: list[float]) -> complex:
+        """By how much feet stand apart in two poses, each with what it bears as its weight, z + i·x, metres.
+
+        Parameters
+        ----------
+        left, entered : rotations of all joints and place of the root.
+        borne : how firmly either foot is held in both.
+        """
+        soles = []
+        for rotations, root in (left, entered):
+            local = list(map(tuple, rotations[self._joints].tolist()))
+            at = self._forward(local, root)
+            soles.append([(foot.placed(*at)) for foot in self._feet])
+        total = 0j
+        for foot, before, after, weight in zip(self._feet, *soles, borne, strict=True):
+            total += weight * foot.slid(before, after)
+        return total / (sum(borne) + _FLIGHT)
 
     def _forward(self, local: list[Quaternion], root: Vector) -> tuple[list[Vector], list[Quaternion]]:
         """Places and orientations in the world of the joints between root and soles."""
@@ -137,6 +181,11 @@ class _Gently:
         self._dt, self._most, self._leap = dt, most, most * dt
         self._aim: Vector | None = None
         self._at = self._velocity = _NOWHERE
+
+    def leap(self, by: Vector) -> None:
+        """Be elsewhere, and whatever is gone after too."""
+        if self._aim is not None:
+            self._aim, self._at = single.add(self._aim, by), single.add(self._at, by)
 
     def follow(self, aim: Vector) -> Vector:
         """Where it is, when the point is at ``aim``; at once where it begins."""
@@ -187,7 +236,7 @@ class _Limb(NamedTuple):
     def of(cls, stage: Stage, joint: int, place: dict[int, int]) -> _Limb:
         parent = stage.repertoire.skeleton.parents[joint]
         middle: Quaternion = tuple(stage.middle[joint].tolist())
-        low, high = stage.low[joint] - RANGE_TOLERANCE, stage.high[joint] + RANGE_TOLERANCE
+        low, high = stage.low[joint], stage.high[joint]
         most = max(float(stage.accelerations[joint]), LEAST_TURNING)
         turned = _Gently(most, 1.0 / stage.repertoire.fps)
         return cls(joint, place[joint], place[parent], middle, _vector(low), _vector(high), turned)
@@ -223,19 +272,19 @@ class _Foot:
         self.hip, self.knee, self.ankle = limbs
         self._hinge, self._points, self._levels = hinge, points, levels
         self._slips, self._stretches = _eased(dt, _SLIPPED), _eased(dt, _STRETCH)
-        self._steady, self._lifted = _STEADY * dt * dt, _LIFTED * dt
-        self._releases, self._grasps = dt / RELEASE, dt / _GRASP
-        self._returns, self._softly = _eased(dt, RETURN), _eased(dt, SOFTLY)
+        self._dt, self._steady, self._lifted = dt, _STEADY * dt, _LIFTED * dt
+        self._releases, self._grasps, self._softly = dt / RELEASE, dt / _GRASP, _eased(dt, SOFTLY)
         self._sole: list[Vector] = []
-        self._drawn = (0.0, 0.0)
+        self._velocity = self._acceleration = 0j
+        self._stands = False
+        self.went = 0j
+        """By how much it was moved against the recording while it bears, z + i·x, metres."""
         self._bears = 0.0
-        self._height: list[float] = []
         self._lift = 0.0
         self.hold = 0.0
         """How firmly it is held, 0 to 1."""
-        self.shift_x = 0.0
-        """By how much it stands beside its place in the recording, metres."""
-        self.shift_z = 0.0
+        self.shift = 0j
+        """By how much it stands beside its place in the recording, z + i·x, metres."""
         self.target: Vector = (0.0, 0.0, 0.0)
         """Where its ankle goes, metres."""
 
@@ -243,32 +292,76 @@ class _Foot:
         """Where heel, ball and tip are."""
         return [single.add(places[j], single.rotate(world[j], offset)) for j, offset in self._points]
 
-    def follow(self, places: list[Vector], world: list[Quaternion], held: float, near: float) -> None:
-        """Where the ankle goes, if the recording holds the foot so firmly and has it so near to the floor."""
+    def follow(
+        self, places: list[Vector], world: list[Quaternion], held: float, near: float, coming: Coming, there: complex
+    ) -> None:
+        """Where the ankle goes, if the recording holds the foot so firmly and has it so near to the floor, and it is to come
+        down ``there`` beside its place in the recording.
+        """
         sole = self.placed(places, world)
-        height = [point[1] - level for point, level in zip(sole, self._levels, strict=True)]
         lowest = min(point[1] for point in sole)
         # at a cut a foot may be grasped or let go from one frame to the next: not so quickly
         self.hold += min(max(held - self.hold, -self._releases), self._grasps)
+        bears = coming.bears or (self._stands and coming.seconds < SHORTEST_GAP)
         if not self._sole:
-            self.hold, self._lift = held, -near * lowest
+            self.hold, self._lift = held, near * (coming.height - lowest)
+        elif bears:
+            self._stay(self.slid(self._sole, sole) - coming.moves)
         else:
-            means = [0.5 * (now + before) for now, before in zip(height, self._height, strict=True)]
-            x, z = _slid(self._sole, sole, means)
-            free = (1.0 - self.hold) * self._returns
-            still = self.hold / (1.0 + (math.hypot(x, z) / self._lifted) ** 4)
-            x, z = still * x + free * self.shift_x, still * z + free * self.shift_z
-            before_x, before_z = self._drawn
-            leap = math.hypot(x - before_x, z - before_z)
-            share = self._steady / leap if leap > self._steady else 1.0
-            x, z = self._drawn = before_x + share * (x - before_x), before_z + share * (z - before_z)
-            self.shift_x -= x
-            self.shift_z -= z
-        self._sole, self._height = sole, height
-        self._bears += self._stretches * (self.hold - self._bears)
-        self._lift += self._softly * (-near * lowest - self._lift)
+            self._swing(coming.seconds, there)
+        self.went = self._dt * self._velocity if bears and self._sole else 0j
+        self._stands, self._sole = bears, sole
+        self._bears += self._stretches * (float(coming.seconds < _STRETCH) - self._bears)
+        self._lift += self._softly * (near * (coming.height - lowest) - self._lift)
         lift = max(self._lift, -lowest - SUNK)
-        self.target = single.add(places[self.ankle.at], (self.shift_x, lift, self.shift_z))
+        self.target = single.add(places[self.ankle.at], (self.shift.imag, lift, self.shift.real))
+
+    def slid(self, before: list[Vector], after: list[Vector]) -> complex:
+        """How far the bearing part of a sole moved over the floor, z + i·x, metres: see `kinesics.synthesis.stage.bearing`."""
+        height = [0.5 * (a[1] + b[1]) - c for a, b, c in zip(before, after, self._levels, strict=True)]
+        least = min(height)
+        weights = [math.exp((least - h) / BEARING) for h in height]
+        x = z = 0.0
+        for weight, old, new in zip(weights, before, after, strict=True):
+            x += weight * (new[0] - old[0])
+            z += weight * (new[2] - old[2])
+        return complex(z, x) / sum(weights)
+
+    def leap(self, aside: complex) -> None:
+        """Stay where it is while what is performed leaps."""
+        self.shift -= aside
+        self._sole = [single.add(point, (aside.imag, 0.0, aside.real)) for point in self._sole]
+
+    def _stay(self, slid: complex) -> None:
+        """On the floor, against what the recording moves it by."""
+        dt = self._dt
+        velocity = -slid / (dt * (1.0 + (abs(slid) / self._lifted) ** 4))
+        change = velocity - self._velocity
+        leap = abs(change)
+        if leap > self._steady:
+            change *= self._steady / leap
+        self._velocity += change
+        self._acceleration = 0j
+        self.shift += dt * self._velocity
+
+    def _swing(self, seconds: float, there: complex) -> None:
+        """Through the air, to where it will be put down and at rest there: by the quintic that leads there from here."""
+        dt, v, a = self._dt, self._velocity, self._acceleration
+        time = max(min(max(seconds - _EARLY, 0.5 * seconds), _SWING), dt)
+        # not farther than goes gently meanwhile
+        gently = self.shift + 0.5 * time * v
+        most, far = _GENTLY * time * time / 6.0, abs(there - gently)
+        if far > most:
+            there = gently + (there - gently) * (most / far)
+        way = there - self.shift - time * (v + 0.5 * time * a)
+        faster, slower = -(v + time * a) * time, -a * time * time
+        c = 10.0 * way - 4.0 * faster + 0.5 * slower
+        d = -15.0 * way + 7.0 * faster - slower
+        e = 6.0 * way - 3.0 * faster + 0.5 * slower
+        t = dt / time
+        self.shift += dt * (v + 0.5 * dt * a) + t * t * t * (c + t * (d + t * e))
+        self._velocity = v + dt * a + t * t * (3.0 * c + t * (4.0 * d + t * 5.0 * e)) / time
+        self._acceleration = a + t * (6.0 * c + t * (12.0 * d + t * 20.0 * e)) / (time * time)
 
     def shortfall(self, places: list[Vector], lean_x: float, lean_z: float) -> float:
         """`kinesics.synthesis.stage.shortfall` of a body that leans, metres."""
@@ -318,28 +411,15 @@ class _Foot:
         tipped = _turn(world[ankle.at], single.multiply(above, local[ankle.at]))
         reached = single.add(at, single.rotate(swung, single.add(upper, lower)))
         lowest = min(single.rotate(tipped, single.subtract(point, places[ankle.at]))[1] for point in self._sole)
-        x, y, z = single.subtract(self.target, reached)
-        self.shift_x -= self._slips * x
-        self.shift_z -= self._slips * z
-        return (x, y, z), reached[1] + lowest
+        missed = single.subtract(self.target, reached)
+        self.shift -= self._slips * complex(missed[2], missed[0])
+        return missed, reached[1] + lowest
 
 
 def _turn(before: Quaternion, after: Quaternion) -> Quaternion:
     """What turns one orientation in the world into the other."""
     w, x, y, z = before
     return single.multiply(after, (w, -x, -y, -z))
-
-
-def _slid(before: list[Vector], after: list[Vector], height: list[float]) -> tuple[float, float]:
-    """How far the bearing part of a sole moved over the floor, x and z, metres: see `kinesics.synthesis.stage.bearing`."""
-    least = min(height)
-    weights = [math.exp((least - h) / BEARING) for h in height]
-    x = z = 0.0
-    for weight, old, new in zip(weights, before, after, strict=True):
-        x += weight * (new[0] - old[0])
-        z += weight * (new[2] - old[2])
-    whole = sum(weights)
-    return x / whole, z / whole
 
 
 def _hanging(parents: Sequence[int], joints: Iterable[int]) -> list[int]:

@@ -1,0 +1,65 @@
+"""The recordings performed beforehand, feet on the ground: what a live performer plays.
+
+In recordings feet slide: markers slip, bodies were brought onto another skeleton. All of what comes is known of each, so that
+the most of it can be put right at leisure, by `kinesics.synthesis.planting`; live is left what transitions and bends do.
+"""
+
+from __future__ import annotations
+
+import itertools
+import weakref
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinesics.synthesis.planting import pin
+from kinesics.synthesis.repertoire import Repertoire
+from kinesics.synthesis.stage import Stage
+
+Array = NDArray[np.float64]
+
+_AT_ONCE: Final = 6000
+"""Frames that are performed at once, for the sake of memory."""
+_OVERLAP: Final = 300
+"""Frames besides before and after, which are then left out."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rehearsal:
+    """What planting the feet changes of recordings, as recorded and mirrored."""
+
+    joints: NDArray[np.intp]
+    """That are turned: those of the legs, and the one that the body hangs on."""
+    rotations: Array
+    """Of these, shape (2, frames, joints, 4)."""
+    roots: Array
+    """Places of the root, metres, shape (2, frames, 3)."""
+
+    @classmethod
+    def of(cls, stage: Stage) -> Rehearsal:
+        """Of a repertoire; done once and kept as long as that is."""
+        if stage.repertoire not in _rehearsals:
+            _rehearsals[stage.repertoire] = cls._done(stage)
+        return _rehearsals[stage.repertoire]
+
+    @classmethod
+    def _done(cls, stage: Stage) -> Rehearsal:
+        own, legs = stage.repertoire, stage.legs
+        joints = np.array([stage.carrier, *legs.femurs, *legs.tibias, *legs.feet])
+        rotations, roots = own.rotations[:, :, joints].copy(), own.root_positions.copy()
+        for image in (0, 1) if own.mirrored else (0,):
+            for first, past in itertools.pairwise(own.starts.tolist()):
+                for a in range(first, past, _AT_ONCE):
+                    b = min(a + _AT_ONCE, past)
+                    low, high = max(a - _OVERLAP, first), min(b + _OVERLAP, past)
+                    given = own.rotations[image, low:high], own.root_positions[image, low:high]
+                    done = pin(stage, *given, own.contacts[image, low:high])
+                    inner = slice(a - low, b - low)
+                    rotations[image, a:b] = done.rotations[inner][:, joints]
+                    roots[image, a:b] = done.roots[inner]
+        return cls(joints, rotations, roots)
+
+
+_rehearsals: weakref.WeakKeyDictionary[Repertoire, Rehearsal] = weakref.WeakKeyDictionary()
