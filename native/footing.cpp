@@ -5,8 +5,8 @@
 
 #include <cstdint>
 #include <cstring>
+#include <memory>
 #include <stdexcept>
-#include <vector>
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -101,7 +101,7 @@ bool seek_footing(In3 knees, In2 hips, double foot, double body, In3 slid, In2 g
     double *found = out.data();
     nb::gil_scoped_release release;
 
-    std::vector<double> factor(std::size_t(frames * kBlock * kStride));
+    const std::unique_ptr<double[]> factor(new double[std::size_t(frames * kBlock * kStride)]);
     alignas(64) double window[kWindow * kStride] = {};
     for (std::int64_t t = 0; t < frames; ++t) {
         const bool before = t >= 1, after = t + 1 < frames;
@@ -146,7 +146,7 @@ bool seek_footing(In3 knees, In2 hips, double foot, double body, In3 slid, In2 g
             }
         }
         for (int i = 0; i < 3; ++i) window[(kBody + i) * kStride + kBody + i] += drifts[3 * t + i];
-        if (!eliminate(window, factor.data() + t * kBlock * kStride)) return false;
+        if (!eliminate(window, factor.get() + t * kBlock * kStride)) return false;
         move_on(window);
     }
 
@@ -156,7 +156,7 @@ bool seek_footing(In3 knees, In2 hips, double foot, double body, In3 slid, In2 g
         std::memmove(known + kBlock, known, (kWindow - kBlock) * sizeof(double));
         std::memset(known, 0, kBlock * sizeof(double));
         for (int c = kBlock - 1; c >= 0; --c) {
-            const double *l = factor.data() + (t * kBlock + c) * kStride;
+            const double *l = factor.get() + (t * kBlock + c) * kStride;
             double sums[4] = {};
             for (int r = 0; r < kStride; r += 4)
                 for (int n = 0; n < 4; ++n) sums[n] += l[r + n] * known[r + n];

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from kinesics import compiled
 from kinesics.body import contacts, kinematics
+from kinesics.body.kinematics import Kinematics
 from kinesics.body.limits import segment_distance
 from kinesics.geometry import quaternion
 from kinesics.synthesis import blending, footing, inverse_kinematics
@@ -134,8 +135,10 @@ def pin(stage: Stage, rotations: Array, roots: Array, standing: Mask) -> Footed:
     joints = np.array([*stage.legs.femurs, *stage.legs.tibias, *feet])
     rotations, roots = _with_the_feet(stage, rotations, roots, _both(held, stage.repertoire.fps))
     given = rotations
-    places = kinematics.positions(skeleton, rotations, roots, joints=stage.lower)
-    hips, knees, ankles = (places[:, list(part)] for part in (stage.legs.femurs, stage.legs.tibias, feet))
+    known = _lower(stage, rotations, roots)
+    # feet alone are turned before they are planted: what they hang on stays
+    own = known.rotations[:, parents]
+    hips, knees, ankles = (known.positions[:, list(part)] for part in (stage.legs.femurs, stage.legs.tibias, feet))
     recorded = ankles - roots[:, None]
     stiff = footing.stiffness(footing.legs_of(hips, knees, ankles), stage.usual, stage.repertoire.fps)
     bounds = way, least = Bounds.none(len(rotations))
@@ -144,38 +147,40 @@ def pin(stage: Stage, rotations: Array, roots: Array, standing: Mask) -> Footed:
         done = _planted(stage, given, roots, standing, gripped, held, stiff, bounds)
         within = done.rotations.copy()
         put_within_range(stage, within, joints)
-        push = _apart(stage, within, done.roots)
+        put_back = _lower(stage, within, done.roots)
+        if attempt == ROUNDS - 1:
+            break
+        planted = _lower(stage, done.rotations, done.roots)
+        push = _apart(stage, put_back)
+        slipping = _slipping(stage, planted, gripped)
         settled = quaternion.angle(done.rotations[:, joints], within[:, joints]).max() < _NOTHING
-        slipping = _slipping(stage, done, gripped)
-        if attempt == ROUNDS - 1 or (settled and not push.any() and not slipping.any()):
+        if settled and not push.any() and not slipping.any():
             break
         gripped = gripped | slipping
         # an ankle that would be bent too far turns its foot; the foot is then planted as it is turned
         given = given.copy()
-        world = kinematics.global_rotations(skeleton, done.rotations, joints=stage.lower)[:, parents]
-        own = kinematics.global_rotations(skeleton, given, joints=stage.lower)[:, parents]
+        world = planted.rotations[:, parents]
         turned = quaternion.angle(done.rotations[:, feet], within[:, feet]) > _NOTHING
         new = quaternion.multiply(quaternion.conjugate(own), quaternion.multiply(world, within[:, feet]))
         given[:, feet] = np.where(turned[..., None], new, given[:, feet])
         # where the leg would go too far the body goes along instead
-        placed = within.copy()
-        placed[:, feet] = done.rotations[:, feet]
-        reached = kinematics.positions(skeleton, placed, done.roots, joints=stage.lower)[:, feet] - done.roots[:, None]
-        asked = (
-            kinematics.positions(skeleton, done.rotations, done.roots, joints=stage.lower)[:, feet]
-            - done.roots[:, None]
-        )
+        reached = put_back.positions[:, feet] - done.roots[:, None]
+        asked = planted.positions[:, feet] - done.roots[:, None]
         back = reached - asked + push
         far = np.linalg.norm(back, axis=-1)
         bound = far > _SHORT
         way[bound] = back[bound] / far[bound, None]
         least[bound] = np.einsum("ni,ni->n", way[bound], (reached + push - recorded)[bound]) + OVER * far[bound]
-    return _above_the_floor(stage, done._replace(rotations=within))
+    return _above_the_floor(stage, done._replace(rotations=within), put_back)
 
 
-def _slipping(stage: Stage, done: Footed, gripped: Mask) -> Mask:
+def _lower(stage: Stage, rotations: Array, roots: Array) -> Kinematics:
+    """Where legs and soles are."""
+    return kinematics.forward(stage.repertoire.skeleton, rotations, roots, joints=stage.lower)
+
+
+def _slipping(stage: Stage, known: Kinematics, gripped: Mask) -> Mask:
     """Frames of contacts, as anyone would find them in what was planted, in which a foot slides and is not held: (frames, 2)."""
-    known = kinematics.forward(stage.repertoire.skeleton, done.rotations, done.roots, joints=stage.lower)
     places = stage.soles.place(known.positions, known.rotations)
     found = contacts.touching(places, places[..., 1], stage.repertoire.fps, stage.stature, stage.slow)
     height = places[..., 1] - stage.levels
@@ -190,7 +195,7 @@ def _slipping(stage: Stage, done: Footed, gripped: Mask) -> Mask:
     return out
 
 
-def _apart(stage: Stage, rotations: Array, roots: Array) -> Array:
+def _apart(stage: Stage, known: Kinematics) -> Array:
     """By how much over the floor each foot is to move so that no leg is deeper in the other than ever: (frames, 2, 3)."""
     legs = [
         n
@@ -199,9 +204,8 @@ def _apart(stage: Stage, rotations: Array, roots: Array) -> Array:
     ]
     capsules = dataclasses.replace(stage.capsules, pairs=tuple(stage.capsules.pairs[n] for n in legs))
     deepest = stage.deepest[legs]
-    known = kinematics.forward(stage.repertoire.skeleton, rotations, roots, joints=stage.lower)
     over = capsules.depths(*known) - deepest - 0.5 * FLESH
-    out = np.zeros((len(rotations), 2, 3))
+    out = np.zeros((len(over), 2, 3))
     if not (over > 0.5 * FLESH).any():
         return out
     starts, ends = capsules.ends(*known)
@@ -228,9 +232,8 @@ def _apart(stage: Stage, rotations: Array, roots: Array) -> Array:
     return out
 
 
-def _above_the_floor(stage: Stage, footed: Footed) -> Footed:
+def _above_the_floor(stage: Stage, footed: Footed, known: Kinematics) -> Footed:
     """Where feet came below the floor as joints went back into their range, the body is raised."""
-    known = kinematics.forward(stage.repertoire.skeleton, footed.rotations, footed.roots, joints=stage.lower)
     sunk = -stage.soles.place(known.positions, known.rotations)[..., 1].min(axis=(1, 2)) - SUNK
     if sunk.max() <= 0.0:
         return footed
@@ -251,7 +254,7 @@ def _planted(
 ) -> Footed:
     repertoire, legs = stage.repertoire, stage.legs
     skeleton, fps = repertoire.skeleton, repertoire.fps
-    known = kinematics.forward(skeleton, rotations, roots, joints=stage.lower)
+    known = _lower(stage, rotations, roots)
     soles = stage.soles.place(known.positions, known.rotations)
     ankles = known.positions[:, list(legs.feet)]
     lowest = soles[..., 1].min(axis=2)
@@ -287,7 +290,7 @@ def _with_the_feet(stage: Stage, rotations: Array, roots: Array, both: Array) ->
     In a recording feet that stand creep; where a stand is played round after round, each goes on from the last, and what adds up
     no leg could follow. Where the body goes over the floor `footing` sees to.
     """
-    known = kinematics.forward(stage.repertoire.skeleton, rotations, roots, joints=stage.lower)
+    known = _lower(stage, rotations, roots)
     soles = stage.soles.place(known.positions, known.rotations).mean(axis=2)
     feet = soles[..., 2] + 1j * soles[..., 0]
     apart = feet[:, 0] - feet[:, 1]
