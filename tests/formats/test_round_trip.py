@@ -120,3 +120,19 @@ def tips(motion: kx.Motion) -> set[tuple[str, float, float, float]]:
     """Which joints have tips, and where, to a micrometre."""
     names = motion.skeleton.joint_names
     return {(names[s.parent], *(round(v, 6) + 0.0 for v in s.offset)) for s in motion.skeleton.end_sites}
+
+
+@pytest.mark.parametrize("suffix", [".bvh", ".amc"])
+def test_a_body_that_lies_is_told_where_the_file_cannot_say_which_way_is_up(tmp_path: Path, suffix: str) -> None:
+    """By word of the user it comes back as it was; of one that stands nothing is said."""
+    whole = kx.performer.sun_salutation(fps=30).motion
+    plank = whole[1664:1694]
+    path = tmp_path / f"plank{suffix}"
+    told = kx.write(plank, path)[-1]
+    assert "as if z were" in told
+    assert "--up y" in told
+    assert kx.read(path).source.up_axis == "z"
+    again = kx.read(path, up="y")
+    np.testing.assert_allclose(again.positions()[..., 1].max(axis=1), plank.positions()[..., 1].max(axis=1), atol=1e-6)
+    assert not any("up" in remark for remark in kx.write(whole, tmp_path / f"whole{suffix}"))
+    assert kx.write(plank, tmp_path / "plank.npz") == ()

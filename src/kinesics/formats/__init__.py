@@ -37,6 +37,7 @@ from kinesics.formats.registry import (
     readable,
     writable,
 )
+from kinesics.geometry import quaternion
 
 __all__ = [
     "LARGEST_FILE",
@@ -57,6 +58,7 @@ LARGEST_FILE: Final = 1 << 30
 """Bytes. A gigabyte of text is more than two hours at 120 frames a second; reading it takes some five times its size."""
 
 _JUDGED_FRAMES = 64
+_SAYS_NO_UP: Final = ("bvh", "asf_amc")
 _SHORTEST_BODY = 1e-6
 """Metres: a body whose longest bone is shorter is none."""
 
@@ -170,7 +172,33 @@ def write(
                 "may be replaced (--overwrite, overwrite=True)."
             )
     _put_down(written)
-    return written.remarks
+    return (*written.remarks, *_judged_otherwise(motion, chosen, path))
+
+
+def _judged_otherwise(motion: Motion, chosen: Format, path: Path) -> tuple[str, ...]:
+    """Whether a reader that judges the up axis by the body, as ours does, would take another for it."""
+    from kinesics.body import conventions
+
+    if chosen.name not in _SAYS_NO_UP:
+        return ()
+    up = motion.source.up_axis if motion.source.format == chosen.name else "y"
+    sample = _sample(motion.frame_count)
+    shifts = motion.joint_translations
+    positions = kinematics.forward(
+        motion.skeleton,
+        motion.rotations[sample],
+        motion.root_positions[sample],
+        None if shifts is None else shifts[sample],
+    ).positions
+    if up != "y":
+        positions = quaternion.rotate(quaternion.conjugate(conventions.to_y_up(up)), positions)
+    judged = conventions.detect(motion.skeleton, positions, unit="m").up_axis
+    if judged == up:
+        return ()
+    return (
+        f"{path.name} does not say that {up} is up, and the body lies or bends in it as if {judged} were: read it with --up {up} "
+        f'(up="{up}"); .glb and .npz do say so',
+    )
 
 
 def read_extras(path: str | PathLike[str]) -> dict[str, NDArray[Any]]:
@@ -239,12 +267,17 @@ def load(path: Path, most: int | None = None) -> bytes:
         raise FileError(path, f"The file cannot be opened: {reason}.") from None
 
 
+def _sample(frames: int) -> NDArray[np.intp]:
+    """The frames by which unit and up axis are judged."""
+    return np.unique(np.linspace(0, frames - 1, _JUDGED_FRAMES).astype(np.intp))
+
+
 def _to_metres_and_y_up(recording: Recording, source: Source, options: ReadOptions, path: Path) -> Motion:
     """The `Motion` of a `Recording`: what is the same for all formats."""
     from kinesics.body import conventions
 
     skeleton = recording.skeleton
-    sample = np.unique(np.linspace(0, len(recording.rotations) - 1, _JUDGED_FRAMES).astype(np.intp))
+    sample = _sample(len(recording.rotations))
     shifts = recording.joint_translations
     positions = kinematics.forward(
         skeleton,
