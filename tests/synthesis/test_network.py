@@ -15,7 +15,8 @@ from kinesics.body.motion import Motion
 from kinesics.errors import InputError
 from kinesics.grammar.graph import MotionGraph, Occurrence, Source, State, Stay
 from kinesics.grammar.graph import Path as Edge
-from kinesics.synthesis.network import Network, labelled, network
+from kinesics.synthesis.labels import labelled
+from kinesics.synthesis.network import Network, network
 from kinesics.synthesis.repertoire import repertoire
 from kinesics.synthesis.transitions import transitions
 from naive import transitions as naive

@@ -15,8 +15,10 @@ from kinesics.errors import InputError
 from kinesics.geometry import quaternion
 from kinesics.similarity import chord
 from kinesics.similarity.metric import paired_distance
+from kinesics.synthesis.limits import WINDOW
 from kinesics.synthesis.repertoire import repertoire
-from kinesics.synthesis.transitions import BAND, SPACING, WINDOW, Transitions, transitions
+from kinesics.synthesis.seams import BAND
+from kinesics.synthesis.transitions import SPACING, Transitions, transitions
 from naive import transitions as naive
 
 

@@ -21,7 +21,7 @@ from kinesics.body.motion import Motion
 from kinesics.body.skeleton import Skeleton
 from kinesics.errors import InputError, SkeletonError, some_of
 from kinesics.progress import Progress, silent
-from kinesics.synthesis import goals
+from kinesics.synthesis import goals, labels
 from kinesics.synthesis import network as networks
 from kinesics.synthesis.attempts import Attempt, best_attempt, performed
 from kinesics.synthesis.controller import BEND, BETA, LONGEST
@@ -49,6 +49,8 @@ REPEATED: Final = 5.0
 """Times that every moment comes, from which it is said that there is little to choose from."""
 STAYING: Final = 0.05
 """Metres a second: recordings that never get about faster stay in place."""
+HARDLY: Final = 0.25
+"""Metres a second, below which a way is found by chance."""
 
 
 def perform(
@@ -179,7 +181,7 @@ def performance(
     stock = repertoire(given, skeleton=skeleton, fps=fps, mirrored=mirrored, backwards=backwards)
     wish = wish.by_name(given, stock.names)
     grammar = _grammar(given, wish, stock.names, edits, progress)
-    seams = () if grammar is None or wish.from_state is None else networks.state_seams(stock, grammar.graph)
+    seams = () if grammar is None or wish.from_state is None else labels.state_seams(stock, grammar.graph)
     with warnings.catch_warnings():
         # what was pruned is told in the result
         warnings.simplefilter("ignore", UserWarning)
@@ -190,7 +192,7 @@ def performance(
             progress=lambda f, message="": progress(0.2 + 0.39 * f, message),
         )
     if grammar is not None:
-        net = networks.labelled(net, grammar.graph, grammar.phrases, at_states=True)
+        net = labels.labelled(net, grammar.graph, grammar.phrases, at_states=True)
         check_names(net, wish, grammar)
     start = _start(net, wish, seed)
     progress(0.6, "looking ahead")
@@ -404,7 +406,7 @@ def _doubts(piece: Piece, wish: Wish, ahead: Prospects, most: float, seconds: fl
         )
     if wish.attainable and not piece.attained:
         told = "; ".join(piece.outcome) or "the goal was not attained"
-        fastest = _fastest(ahead)
+        fastest, pace = _fastest(ahead), _pace(ahead)
         if piece.course.attained and wish.places:
             advice = (
                 ": the way that was chosen leads there, but keeping the feet in place takes the body beside it; give another seed "
@@ -421,11 +423,15 @@ def _doubts(piece: Piece, wish: Wish, ahead: Prospects, most: float, seconds: fl
                 "more `bend` (--bend)"
             )
         elif wish.places or wish.route is not None:
-            advice = (
-                ": give more seconds, another seed, or recordings that turn more"
-                if seconds is not None
-                else ": give another seed, or recordings that turn more"
-            )
+            advice = ": give more seconds, another seed, or recordings that turn more"
+            if seconds is None and most < MOST_SECONDS:
+                advice = ": give another seed, or recordings that turn more"
+            elif seconds is None:
+                advice = (
+                    f": {most:g} s are given where nothing is said; give more `seconds` (--seconds), or another seed"
+                )
+            if pace < HARDLY:
+                advice += f"; these hardly get about ({pace:.2f} metres a second in a straight line)"
         else:
             advice = ": give more seconds"
         out.append(told + advice)

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from kinesics.body.motion import Motion
 from kinesics.synthesis.controller import Course
 from kinesics.synthesis.goals import RADIUS
-from kinesics.synthesis.network import Network, Pruned
+from kinesics.synthesis.network import Network
+from kinesics.synthesis.pruning import Pruned
 from kinesics.synthesis.rendering import Performance, Provenance
 
 ASIDE: Final = 1.0

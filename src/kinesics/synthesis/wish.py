@@ -14,8 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kinesics.body.motion import Motion
 from kinesics.errors import InputError
-from kinesics.synthesis import goals
-from kinesics.synthesis import network as networks
+from kinesics.synthesis import goals, labels
 from kinesics.synthesis.goals.arguments import check_name, place_of
 from kinesics.synthesis.goals.favours import FAVOURABLE
 from kinesics.synthesis.goals.naming import unusable, with_word
@@ -275,7 +274,7 @@ def check_names(net: Network, wish: Wish, grammar: Grammar) -> None:
     known = states | {p.label for p in graph.paths} | {p.class_ or "" for p in grammar.phrases}
     known |= {p.name or "" for p in grammar.phrases}
     if net.repertoire.recording_count == 1:
-        known |= {networks.kind_name(p.kind) for p in grammar.phrases}
+        known |= {labels.kind_name(p.kind) for p in grammar.phrases}
     if wish.favour in known - {""} and not any(
         wish.favour in words for words in (net.class_, net.label, net.state_from, net.state_to, net.phrase)
     ):

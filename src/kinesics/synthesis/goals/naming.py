@@ -96,7 +96,7 @@ def unknown(what: str, name: str, known: Iterable[str]) -> str:
     if not there:
         return (
             f"No {what} {name!r}: the paths of this network have no names; "
-            "`kinesics.synthesis.network.labelled` gives them the grammar's."
+            "`kinesics.synthesis.labels.labelled` gives them the grammar's."
         )
     # one word of a name may be meant as well as all of it
     near = difflib.get_close_matches(name, there, n=3, cutoff=0.5)
