@@ -37,7 +37,7 @@ def kinesics(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: py
     monkeypatch.setenv("KINESICS_MIRROR", "http://127.0.0.1:9")
     monkeypatch.setenv("TERMINAL_WIDTH", "80")
     # tests run on all cores as it is; the second process has its own (tests/report/test_helper.py)
-    monkeypatch.setattr("kinesics.report.helper.cores", lambda: 1)
+    monkeypatch.setattr("kinesics.report.helper.core_is_free", lambda: False)
 
     def call(*arguments: object) -> Outcome:
         capsys.readouterr()

@@ -82,7 +82,7 @@ def start() -> Iterator[Callable[[str], Helper]]:
 
 def test_two_processes_draw_the_same_as_one(analysis: kx.Analysis, monkeypatch: pytest.MonkeyPatch) -> None:
     """Byte for byte, and the second process does take its part."""
-    monkeypatch.setattr(helper_module, "cores", lambda: 2)
+    monkeypatch.setattr(helper_module, "core_is_free", lambda: True)
     alone = pictures.draw(analysis)
     mine: list[pictures.Sheet] = []
     with report.helping() as helper:
@@ -120,12 +120,34 @@ def test_a_helper_that_hangs_is_not_waited_for_long(
     assert pictures.draw(analysis, helper=hangs) == sketched
 
 
-def test_one_core_is_given_no_second_process(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nor is a program that was frozen: it would start itself."""
-    monkeypatch.setattr(helper_module, "cores", lambda: 1)
+@pytest.mark.parametrize(
+    ("cores", "busy", "free"), [(1, 0.0, False), (2, 0.3, True), (2, 2.5, False), (8, 2.5, True), (8, 9.0, False)]
+)
+def test_a_second_process_needs_a_core_of_its_own(
+    cores: int, busy: float, free: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On a machine that has one, or whose cores are all at work, it would only take from the first."""
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(cores)), raising=False)
+    monkeypatch.setattr(os, "getloadavg", lambda: (busy, 0.0, 0.0), raising=False)
+    assert helper_module.core_is_free() == free
+
+
+def test_where_nothing_says_how_busy_it_is_the_cores_count(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As on Windows."""
+    monkeypatch.delattr(os, "sched_getaffinity", raising=False)
+    monkeypatch.delattr(os, "getloadavg", raising=False)
+    monkeypatch.setattr(os, "cpu_count", lambda: 4)
+    assert helper_module.core_is_free()
+    monkeypatch.setattr(os, "cpu_count", lambda: None)
+    assert not helper_module.core_is_free()
+
+
+def test_there_is_none_without_a_free_core_nor_for_a_frozen_program(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A frozen program would start itself."""
+    monkeypatch.setattr(helper_module, "core_is_free", lambda: False)
     with report.helping() as helper:
         assert helper is None
-    monkeypatch.setattr(helper_module, "cores", lambda: 2)
+    monkeypatch.setattr(helper_module, "core_is_free", lambda: True)
     monkeypatch.setattr("sys.frozen", True, raising=False)
     with report.helping() as helper:
         assert helper is None
@@ -133,7 +155,7 @@ def test_one_core_is_given_no_second_process(monkeypatch: pytest.MonkeyPatch) ->
 
 def test_where_no_process_can_be_started_there_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
     """Drawing goes on without."""
-    monkeypatch.setattr(helper_module, "cores", lambda: 2)
+    monkeypatch.setattr(helper_module, "core_is_free", lambda: True)
     monkeypatch.setattr("sys.executable", "/no/such/python")
     with report.helping() as helper:
         assert helper is None
@@ -153,7 +175,7 @@ def test_stopping_ends_both_and_leaves_nothing(
     analysis: kx.Analysis, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Ctrl-C while both draw: no second process is left, no file, and what was there is as it was."""
-    monkeypatch.setattr(helper_module, "cores", lambda: 2)
+    monkeypatch.setattr(helper_module, "core_is_free", lambda: True)
     target = tmp_path / "walk-kinesics"
     kx.save(kx.analyze(bodies.arms_swinging(60)), target)
     before = {p.name: p.read_bytes() for p in target.iterdir()}

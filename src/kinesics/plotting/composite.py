@@ -123,7 +123,7 @@ def composite_plot(
     ax.set_xlabel(f"Â   antisymmetric, first direction ({place.antisymmetric_share[0]:.0%} of A)", fontsize=11)
     ax.set_ylabel(f"Ŝ   symmetric, first direction ({place.symmetric_share[0]:.0%} of S)", fontsize=11)
     heading = "Ψ (dark to light with time) and its mirror image Ψ* (grey)" if title is None else title
-    ax.set_title(heading, fontsize=11, color=canvas.INK)
+    ax.set_title(heading, fontsize=11, color=canvas.INK, y=1.0)
     _cross(ax, lines=False)
     return ax
 

@@ -43,7 +43,7 @@ def speed_plot(
     """
     ax = _curve(speed, fps, SPEED_INK, stillness, STILL_SHADE, ax)
     ax.set_ylabel("speed √(2D)/Δt (1/s)", fontsize=10)
-    ax.set_title("Speed of the pose" if title is None else title, fontsize=11, loc="left", color=canvas.INK)
+    ax.set_title("Speed of the pose" if title is None else title, fontsize=11, loc="left", color=canvas.INK, y=1.0)
     return ax
 
 
@@ -69,7 +69,7 @@ def symmetry_plot(
         ax.axhline(threshold, color=canvas.INK, linewidth=0.8, linestyle=(0, (4, 3)))
     ax.set_ylabel("D*(a, a)", fontsize=10)
     heading = "Distance of the pose from its own mirror image" if title is None else title
-    ax.set_title(heading, fontsize=11, loc="left", color=canvas.INK)
+    ax.set_title(heading, fontsize=11, loc="left", color=canvas.INK, y=1.0)
     return ax
 
 

@@ -182,9 +182,11 @@ def rotate_to_triangle(matrix: NDArray[np.float32], width: int) -> Float32:
     if factor > 1:
         c, r = np.arange(m)[None, :], np.arange((m + 1) // 2)[:, None]
         low, high = c - r, c + r
+        inside = (low >= 0) & (high < m)
         middle = factor // 2
-        between = _between_cells(matrix, (low - middle) / factor, (high - middle) / factor)
-        return np.where((low >= 0) & (high < m), between, 0.0).astype(np.float32)
+        turned = np.zeros(inside.shape, dtype=np.float32)
+        turned[inside] = _between_cells(matrix, (low[inside] - middle) / factor, (high[inside] - middle) / factor)
+        return turned
     out = np.zeros(((m + 1) // 2, m), dtype=np.float32)
     for lag, row in enumerate(out):
         even, odd = matrix.diagonal(2 * lag), matrix.diagonal(2 * lag + 1)
@@ -249,7 +251,8 @@ def _finish(ax: Axes, layers: _Layers, kind: Kind, title: str | None) -> None:
     if title is None:
         title = _TITLES[kind] + (f"    β = {layers.beta:.3g}" if layers.beta is not None else "")
     if title:
-        ax.set_title(title, fontsize=12, color=canvas.INK, pad=8)
+        # with its height given, matplotlib does not look for one that keeps clear of ticks above, where there are none
+        ax.set_title(title, fontsize=12, color=canvas.INK, pad=8, y=1.0)
     ax.tick_params(labelsize=10, colors=canvas.INK, direction="out")
 
 

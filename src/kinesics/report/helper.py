@@ -1,4 +1,4 @@
-"""A second process that draws along, so that a report takes little more than half as long where there is a second core.
+"""A second process that draws along, so that a report is there sooner where a second core is free.
 
 `kinesics analyze` starts it first of all: it loads the drawing library while the recording is still being read and analysed.
 Sheets (`kinesics.report.pictures.Sheet`) are taken from one queue by both processes. They come out the same bytes wherever they
@@ -40,9 +40,9 @@ helper.serve()
 
 @contextlib.contextmanager
 def helping() -> Iterator[Helper | None]:
-    """A helper for as long as the context lasts; None where there is but one core, or no process can be started."""
+    """A helper for as long as the context lasts; None where no core is free, or no process can be started."""
     helper = None
-    if cores() > 1 and not getattr(sys, "frozen", False):
+    if core_is_free() and not getattr(sys, "frozen", False):
         with contextlib.suppress(OSError):
             helper = Helper()
     try:
@@ -52,11 +52,14 @@ def helping() -> Iterator[Helper | None]:
             helper.end()
 
 
-def cores() -> int:
-    """How many cores this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+def core_is_free() -> bool:
+    """Whether a second process finds a core that has nothing else to do: where it does not it takes more than it gives."""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    busy = 0.0
+    if hasattr(os, "getloadavg"):
+        with contextlib.suppress(OSError):
+            busy = os.getloadavg()[0]
+    return cores > 1 and busy < cores
 
 
 class Helper:

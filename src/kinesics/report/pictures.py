@@ -371,7 +371,7 @@ def _name_blocks(ax: Axes, analysis: Analysis, borders: list[float], *, height: 
     if len(borders) < 3:
         return
     if height > 1.0:
-        ax.set_title(ax.get_title(), fontsize=12, color=INK, pad=22)
+        ax.set_title(ax.get_title(), fontsize=12, color=INK, pad=22, y=1.0)
     # some 10 pixels a letter
     letters = _PIXELS / borders[-1] / 10.0
     for name, start, end in zip(words.source_names(analysis), borders, borders[1:], strict=False):
