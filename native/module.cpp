@@ -8,6 +8,7 @@ void bind_kinematics(nb::module_ &m);
 void bind_paths(nb::module_ &m);
 void bind_ground(nb::module_ &m);
 void bind_togo(nb::module_ &m);
+void bind_body(nb::module_ &m);
 void bind_smoothing(nb::module_ &m);
 void bind_legs(nb::module_ &m);
 void bind_quaternions(nb::module_ &m);
@@ -23,6 +24,7 @@ NB_MODULE(_native, m) {
     bind_paths(m);
     bind_ground(m);
     bind_togo(m);
+    bind_body(m);
     bind_smoothing(m);
     bind_legs(m);
     bind_quaternions(m);

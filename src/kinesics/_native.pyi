@@ -185,6 +185,22 @@ def seek_footing(
 def envelope(values: _Doubles, window: _Doubles, out: _Doubles) -> None:
     """Fill ``out`` with the greatest of ``values`` within half a window, averaged under the window."""
 
+def carried_points(
+    positions: _Doubles, rotations: _Doubles, joints: NDArray[np.int32], offsets: _Doubles, out: _Doubles
+) -> None:
+    """Fill ``out`` (frames, points, 3) with where points are that joints carry at offsets (points, 3)."""
+
+def capsule_depths(
+    starts: _Doubles,
+    ends: _Doubles,
+    first: NDArray[np.int32],
+    second: NDArray[np.int32],
+    reach: _Doubles,
+    least: float,
+    out: _Doubles,
+) -> None:
+    """Fill ``out`` (frames, pairs) with the metres by which capsules interpenetrate, −∞ where by less than about ``least``."""
+
 def parse_rows(data: bytes, start: int, columns: int) -> tuple[_Doubles, int]:
     """Rows of numbers, one a line; and the byte where the first line begins that is not one, or −1."""
 

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import kinesics as kx
+from kinesics import compiled
 from kinesics.body import contacts
 from kinesics.body.skeleton import EndSite, Skeleton
 from kinesics.errors import SkeletonError
@@ -88,6 +89,28 @@ def test_soles_lie_flat_when_standing() -> None:
     ahead = found.positions[0, :, :, 2]
     assert np.all(np.diff(ahead, axis=1) > 0.02)
     assert np.all(ahead[:, 2] - ahead[:, 0] < 0.3)
+
+
+def test_soles_compiled_and_plain_are_at_one_place(monkeypatch: pytest.MonkeyPatch, rng: np.random.Generator) -> None:
+    """The compiled module puts heel, ball and tip where turning their offsets puts them."""
+    if compiled.native is None:
+        pytest.skip("The compiled kernels were not built.")
+    soles = contacts.Soles(np.array([[2, 2, 3], [5, 5, 6]]), rng.normal(size=(2, 3, 3)))
+    positions, rotations = rng.normal(size=(9, 7, 3)), quaternion.normalize(rng.normal(size=(9, 7, 4)))
+    monkeypatch.delenv("KINESICS_KERNEL", raising=False)
+    monkeypatch.setenv("KINESICS_NO_NATIVE", "0")
+    quick = soles.place(positions, rotations)
+    monkeypatch.setenv("KINESICS_NO_NATIVE", "1")
+    plain = soles.place(positions, rotations)
+    assert quick.shape == plain.shape == (9, 2, 3, 3)
+    np.testing.assert_allclose(quick, plain, atol=1e-13)
+
+
+@given(st.lists(st.floats(-1.0, 1.0), min_size=1, max_size=30), st.floats(0.0, 1.0))
+def test_quantiles_of_what_is_in_order_are_numpys(values: list[float], share: float) -> None:
+    """Between two values they lie as far as NumPy's, and at the ends."""
+    found = contacts._sorted_quantile(np.sort(values), share)
+    assert found == pytest.approx(np.quantile(values, share), abs=1e-12)
 
 
 def test_a_foot_held_up_does_not_bear() -> None:

@@ -15,7 +15,7 @@ from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose
 
 import bodies
-from kinesics import formats
+from kinesics import compiled, formats
 from kinesics.body import limits
 from kinesics.body.mirroring import mirror
 from kinesics.body.motion import Motion
@@ -247,6 +247,28 @@ def test_collisions_do_not_depend_on_place_heading_or_side(rng: np.random.Genera
     depths = [[c.worst_depth for c in found.collisions] for found in (here, there, image)]
     assert_allclose(depths[0], depths[1], atol=1e-9)
     assert_allclose(depths[0], depths[2], atol=1e-9)
+
+
+@pytest.mark.parametrize("least", [0.0, 0.05])
+def test_depths_compiled_and_plain_agree(
+    least: float, monkeypatch: pytest.MonkeyPatch, rng: np.random.Generator
+) -> None:
+    """The compiled module finds what NumPy finds, of limbs anywhere, of bones without length and of parallel ones."""
+    if compiled.native is None:
+        pytest.skip("The compiled kernels were not built.")
+    capsules = limits.Capsules.of(posed())
+    positions = rng.normal(scale=0.3, size=(60, SKELETON.joint_count, 3))
+    rotations = quaternion.normalize(rng.normal(size=(60, SKELETON.joint_count, 4)))
+    positions[:5] = positions[:5, :1]
+    positions[5:9, :, 0] = 0.1
+    positions[5:9, :, 2] = 0.0
+    monkeypatch.delenv("KINESICS_KERNEL", raising=False)
+    monkeypatch.setenv("KINESICS_NO_NATIVE", "0")
+    quick = capsules.depths(positions, rotations, least=least)
+    monkeypatch.setenv("KINESICS_NO_NATIVE", "1")
+    assert_allclose(quick, capsules.depths(positions, rotations, least=least), atol=1e-12)
+    assert np.isfinite(quick).any()
+    assert np.isneginf(quick).any()
 
 
 def test_some_pairs_are_as_deep_as_among_all() -> None:

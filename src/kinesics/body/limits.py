@@ -24,6 +24,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kinesics import compiled
 from kinesics.body import anatomy
 from kinesics.body.anatomy import Anatomy
 from kinesics.body.motion import Motion
@@ -360,6 +361,10 @@ class Capsules:
         looked_at, places = np.unique(np.concatenate([a, b]), return_inverse=True)
         starts, ends = _capsules(self.skeleton, positions, rotations, self.body, self.stature, looked_at.tolist())
         a, b = places.reshape(2, -1)
+        if compiled.wanted():
+            depth = np.empty((len(positions), len(self.pairs)))
+            compiled.native.capsule_depths(starts, ends, a.astype(np.int32), b.astype(np.int32), reach, least, depth)
+            return depth
         depth = np.full((len(positions), len(self.pairs)), -np.inf)
         # segments whose middles are farther apart than half their lengths and their radii cannot touch
         middles = 0.5 * (starts + ends)

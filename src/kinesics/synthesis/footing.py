@@ -63,9 +63,9 @@ class Leg(NamedTuple):
 
 def legs_of(hips: Array, knees: Array, ankles: Array) -> Leg:
     """From the places of hips, knees and ankles, shape (frames, 2, 3) each."""
-    upper, lower = np.linalg.norm(knees - hips, axis=-1), np.linalg.norm(ankles - knees, axis=-1)
-    away = ankles - hips
-    distance = np.maximum(np.linalg.norm(away, axis=-1), 1e-6)
+    upper, lower, away = knees - hips, ankles - knees, ankles - hips
+    upper, lower, distance = (np.sqrt(np.einsum("...i,...i->...", v, v)) for v in (upper, lower, away))
+    distance = np.maximum(distance, 1e-6)
     cosine = np.clip((distance**2 - upper**2 - lower**2) / (2.0 * upper * lower), -1.0, 1.0)
     bend = np.maximum(np.arccos(cosine), _LEAST_BEND)
     return Leg(away / distance[..., None], distance, distance / (upper * lower * np.sin(bend)))

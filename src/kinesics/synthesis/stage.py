@@ -7,6 +7,7 @@ is held around a contact.
 
 from __future__ import annotations
 
+import functools
 import itertools
 import weakref
 from dataclasses import dataclass
@@ -259,9 +260,10 @@ def seams(
 
 def bearing(height: Array) -> Array:
     """Share of the weight that each point of a sole bears, by its height: shape (..., points) to the same, sum 1."""
-    level = height - height.min(axis=-1, keepdims=True)
-    weight = np.exp(-level / BEARING)
-    return np.asarray(weight / weight.sum(axis=-1, keepdims=True))
+    # over as short an axis NumPy reduces ten times more slowly
+    least = functools.reduce(np.minimum, np.moveaxis(height, -1, 0))
+    weight = np.exp((least[..., None] - height) / BEARING)
+    return np.asarray(weight / functools.reduce(np.add, np.moveaxis(weight, -1, 0))[..., None])
 
 
 def held_around(standing: Mask, reach: float) -> Array:
@@ -278,9 +280,12 @@ def shortfall(stage: Stage, positions: Array, targets: Array) -> Array:
     """How far each hip must come down for its leg to reach, metres, shape (frames, 2)."""
     legs = stage.legs
     hips, knees, ankles = (positions[:, list(joints)] for joints in (legs.femurs, legs.tibias, legs.feet))
-    length = np.linalg.norm(knees - hips, axis=-1) + np.linalg.norm(ankles - knees, axis=-1)
-    now = np.linalg.norm(ankles - hips, axis=-1)
+    length, now = _length(knees - hips) + _length(ankles - knees), _length(ankles - hips)
     most = np.minimum(np.maximum(now, inverse_kinematics.SOFT * length), inverse_kinematics.STRAIGHTEST * length)
     away = targets - hips
-    flat = np.linalg.norm(away[..., [0, 2]], axis=-1)
-    return np.asarray(np.maximum(-away[..., 1] - np.sqrt(np.maximum(most**2 - flat**2, 0.0)), 0.0))
+    flat = away[..., 0] ** 2 + away[..., 2] ** 2
+    return np.asarray(np.maximum(-away[..., 1] - np.sqrt(np.maximum(most**2 - flat, 0.0)), 0.0))
+
+
+def _length(v: Array) -> Array:
+    return np.asarray(np.sqrt(np.einsum("...i,...i->...", v, v)))
