@@ -209,7 +209,7 @@ def performance(
         start=start,
         ahead=ahead,
         again=wish.may_try_again(most, _fastest(ahead)),
-        more_time=seconds is None,
+        more_time=seconds is None and _pace(ahead) >= HARDLY,
         progress=lambda share: progress(0.75 + 0.1 * share, "choosing the way"),
     )
     progress(0.85, "performing")
