@@ -141,9 +141,9 @@ def test_a_long_recording_is_pooled_to_the_pixels_of_the_axes() -> None:
     assert (image[..., 0] == 255).sum() == 2
 
 
-@pytest.mark.parametrize("pixels", [(200, 200), (200, 150), (197, 203)])
+@pytest.mark.parametrize("pixels", [(200, 200), (200, 150), (67, 33), (197, 203)])
 def test_the_pixels_of_a_plot_are_on_paper_as_they_are(pixels: tuple[int, int]) -> None:
-    """Where the axes have as many pixels, each is one pixel of the file; matplotlib's own way agrees, and does the rest."""
+    """Where the axes have as many pixels, each is one of the file, where more, several; matplotlib agrees, and does the rest."""
     rng = np.random.default_rng(5)
     values = rng.integers(0, 256, (pixels[1], pixels[0], 3), dtype=np.uint8)
     pages = []
@@ -255,6 +255,39 @@ def test_a_node_on_the_floor_that_stays_behind_is_no_bone() -> None:
     a, b = compute_strokes(motion, [3, 19]), compute_strokes(rigged, [3, 19])
     assert a.segments.shape == b.segments.shape
     np.testing.assert_allclose(a.segments, b.segments, atol=1e-9)
+
+
+def test_strokes_of_many_moments_are_those_of_each() -> None:
+    """Whatever their order, and whichever motion they are of."""
+    from kinesics.plotting.stick_figures import compute_strokes, strokes_of
+
+    one, two = bodies.legs_striding(20), bodies.arms_swinging(9)
+    parts = [(one, [3, 7]), (two, [8]), (one, [0]), (one, [3]), (two, [1, 2, 0])]
+    for (motion, frames), found in zip(parts, strokes_of(parts, view="front"), strict=True):
+        expected = compute_strokes(motion, frames, view="front")
+        np.testing.assert_allclose(found.segments, expected.segments, atol=1e-12)
+        np.testing.assert_allclose(found.head_centres, expected.head_centres, atol=1e-12)
+        assert found[1:3] == expected[1:3]
+        assert found.limbs == expected.limbs
+
+
+def test_grey_figures_are_drawn_as_coloured_ones_are() -> None:
+    """In one ink the limbs of a figure are one line, of two widths where it has fingers; the same paper is covered."""
+    from kinesics.plotting.stick_figures import Placed, compute_strokes, draw_figures
+
+    strokes = compute_strokes(bodies.legs_striding(20), [3])
+    covered = []
+    for grey in (False, True):
+        ax = plotting.new_figure(2, 3, dpi=100).add_axes((0.0, 0.0, 1.0, 1.0), xlim=(-1, 1), ylim=(-0.5, 2.5))
+        ax.set_axis_off()
+        draw_figures(ax, [Placed(strokes, 0, (0.0, 0.0), (1.0, 1.0), 3.0, grey=grey)])
+        paper = np.asarray(Image.open(io.BytesIO(figure_bytes(ax.figure, ".png"))))
+        covered.append((paper < 128).any(axis=-1))
+        lines, heads = ax.collections
+        assert len(lines.get_paths()) == (len(set(strokes.widths)) if grey else len(strokes.limbs))
+        assert len(heads.get_paths()) == 1
+    assert covered[0].sum() > 500
+    assert (covered[0] != covered[1]).mean() < 0.001
 
 
 def test_what_has_no_length_is_no_stroke() -> None:

@@ -23,6 +23,7 @@ from kinesics.similarity import (
     speed,
     symmetry_residual,
 )
+from kinesics.similarity.metric import Frames
 from kinesics.vocabulary import LINKS, MIRROR_LINKS
 from naive import similarity as naive
 
@@ -173,6 +174,20 @@ def test_triangle_inequalities(rng, kind):
         image = pose.mirror(b)
         assert np.all(root(a, c) <= root_mirror(a, image) + root_mirror(image, c) + 1e-9)
         assert np.all(root(a, c) <= root_mirror(a, b) + root_mirror(b, c) + 1e-9)
+
+
+def test_frames_compared_a_few_at_a_time_are_as_far_apart(rng):
+    """`Frames` says what `paired_distance` does."""
+    q, weights = random_poses(rng, 30), even_weights(rng)
+    frames = Frames(q, weights)
+    for frame, start, end in ((0, 0, 30), (29, 3, 4), (7, 7, 20), (5, 8, 8)):
+        some = q[start:end]
+        found = frames.distance_from(frame, start, end)
+        assert found.shape == (end - start,)
+        if len(some):
+            np.testing.assert_allclose(found, paired_distance(some, np.broadcast_to(q[frame], some.shape), weights))
+    with pytest.raises(InputError, match="unit quaternions"):
+        Frames(2.0 * q)
 
 
 def test_d_itself_fails_the_triangle_inequality():
