@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <vector>
@@ -71,7 +72,7 @@ void forward_kinematics(Parents parents, In2 offsets, In3 rotations, std::option
     good = good && (!roots || (roots->shape(0) == std::size_t(frames) && roots->shape(1) == 3));
     good = good && (!positions || roots);
     for (std::int64_t j = 1; good && j < joints; ++j) good = parents(j) >= 0 && parents(j) < j;
-    std::vector<std::int32_t> order;
+    std::vector<std::int32_t> order, others;
     std::vector<bool> included(good ? std::size_t(joints) : 0, !wanted);
     for (std::size_t n = 0; good && wanted && n < wanted->shape(0); ++n) {
         good = (*wanted)(n) >= 0 && (*wanted)(n) < joints;
@@ -81,7 +82,7 @@ void forward_kinematics(Parents parents, In2 offsets, In3 rotations, std::option
     }
     if (!good) throw std::invalid_argument("kinesics._native.forward_kinematics: shapes do not fit");
     for (std::int64_t j = 1; j < joints; ++j)
-        if (included[std::size_t(j)]) order.push_back(std::int32_t(j));
+        (included[std::size_t(j)] ? order : others).push_back(std::int32_t(j));
 
     const std::int32_t *tree = parents.data();
     const double *fixed = offsets.data(), *q = rotations.data();
@@ -99,6 +100,10 @@ void forward_kinematics(Parents parents, In2 offsets, In3 rotations, std::option
                 one_frame<false>(order, tree, shifts, q + f * joints * 4, nullptr, to, nullptr);
             else
                 one_frame<true>(order, tree, shifts, q + f * joints * 4, root + f * 3, to, p + f * joints * 3);
+            for (const std::int64_t j : others) {
+                if (w != nullptr) std::fill_n(to + 4 * j, 4, std::numeric_limits<double>::quiet_NaN());
+                if (p != nullptr) std::fill_n(p + (f * joints + j) * 3, 3, std::numeric_limits<double>::quiet_NaN());
+            }
         }
     });
 }

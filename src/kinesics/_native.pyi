@@ -71,7 +71,7 @@ def forward_kinematics(
 ) -> None:
     """Fill world orientations (frames, joints, 4) and positions (frames, joints, 3), whichever are given.
 
-    Of joints that are not wanted, and that none wanted hangs on, nothing is written.
+    Joints that are not wanted, and that none wanted hangs on, are NaN.
     """
 
 def reach_legs(

@@ -115,11 +115,9 @@ def _check(
 def _room(skeleton: Skeleton, frames: int, width: int, joints: Indices | None) -> Array:
     """What results are written into."""
     shape = (frames, skeleton.joint_count, width)
-    if joints is None:
-        return np.empty(shape)
-    if len(joints) and not 0 <= np.min(joints) <= np.max(joints) < skeleton.joint_count:
+    if joints is not None and len(joints) and not 0 <= np.min(joints) <= np.max(joints) < skeleton.joint_count:
         raise InputError(f"Expected `joints` below {skeleton.joint_count}, got {joints.tolist()}.")
-    return np.full(shape, np.nan)
+    return np.empty(shape)
 
 
 def _solve(
@@ -138,6 +136,10 @@ def _solve(
         compiled.native.forward_kinematics(parents, skeleton.offsets, q, roots, shifts, world, where, wanted)
         return
     world = np.empty_like(q) if world is None else world
+    if joints is not None:
+        world.fill(np.nan)
+        if where is not None:
+            where.fill(np.nan)
     world[:, 0] = q[:, 0]
     if where is not None:
         where[:, 0] = roots
