@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import re
 import signal
 from pathlib import Path
 
@@ -322,17 +323,41 @@ def test_what_was_left_out_and_missed_is_said(kinesics: Kinesics, circle: Path, 
     assert "did not reach (-30.00, -2.00)" in got.out
 
 
-def test_where_most_is_left_out_it_is_said_what_may_join_it(kinesics: Kinesics, circle: Path, tmp_path: Path) -> None:
-    """The share, and the threshold to go beyond; nothing of the kind where all but the ends is used."""
+def test_where_much_is_left_out_it_is_said_what_and_why(kinesics: Kinesics, circle: Path, tmp_path: Path) -> None:
+    """The share, which recordings and why, and that nothing joins them; no word of it where all but the ends is used."""
     for name, perform in (("jacks", kx.performer.jumping_jacks), ("squats", kx.performer.squat)):
         kx.write(perform(seconds=7, fps=30).motion, tmp_path / f"{name}.bvh")
     got = kinesics("perform", circle, "jacks.bvh", "squats.bvh", "--out", "new.bvh", "--seconds", "1")
     assert got.code == 0, got.err
     told = " ".join(got.out.split())
-    assert "a larger --threshold than 0." in told
-    assert "may join it" in told
+    assert "circle, as recorded and mirrored: 8.00 s, no transition leads there and back again" in told
+    assert "no larger --threshold joins" in told
     alone = kinesics("perform", circle, "--out", "alone.bvh", "--seconds", "1")
-    assert "may join it" not in " ".join(alone.out.split())
+    assert "--threshold" not in " ".join(alone.out.split())
+
+
+def test_the_threshold_that_would_join_more_does(kinesics: Kinesics, shared_data: Path) -> None:
+    """Of exercises: the seconds that nothing leads to, and a threshold with which as little is left out as is said."""
+    given = (
+        "perform",
+        shared_data / "cmu/13/13_29.amc",
+        "--fps",
+        "30",
+        "--seconds",
+        "1",
+        "--out",
+        "new.bvh",
+        "--overwrite",
+    )
+    got = kinesics(*given)
+    assert got.code == 0, got.err
+    told = " ".join(got.out.split())
+    assert re.search(r"0\.00–\d+\.\d+ s: no transition leads there", told)
+    larger = re.search(r"--threshold (\S+) leaves out (\d+)%", told)
+    assert larger is not None
+    assert int(larger[2]) < 40
+    again = " ".join(kinesics(*given, "--threshold", larger[1]).out.split())
+    assert f"for no way leads there or back: {larger[2]}% of" in again
 
 
 def test_the_body_of_another_recording(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from bodies import about, moving
 from kinesics.analysis.facts import Phrase
 from kinesics.body.motion import Motion
 from kinesics.errors import InputError
+from kinesics.geometry import quaternion
 from kinesics.grammar.graph import MotionGraph, Occurrence, Source, State, Stay
 from kinesics.grammar.graph import Path as Edge
 from kinesics.synthesis.labels import labelled
@@ -152,12 +154,33 @@ def test_the_mirrored_network_is_the_same_network(both: Network) -> None:
 
 
 def test_what_is_pruned_is_said(made: Network) -> None:
-    """Seconds kept and seconds pruned are all there are, and the lead-in from which nothing comes back is told as such."""
+    """Seconds kept and seconds pruned are all there are, and which are left out for what: the lead-in, to which nothing leads."""
     rep = made.repertoire
     recorded = [p for p in made.pruned if "as recorded" in p.strand]
     assert sum(made.duration[made.strand == 0]) + sum(p.seconds for p in recorded) == pytest.approx(16.0)
-    assert "before the first way in" in recorded[0].why or rep.backwards
-    assert "rounds" in str(recorded[0])
+    first = recorded[0].stretches[0]
+    assert first.start == 0.0
+    assert "leads there" in first.why or rep.backwards
+    assert str(recorded[0]).startswith("rounds, as recorded")
+    for lost in made.pruned:
+        assert sum(part.end - part.start for part in lost.stretches) == pytest.approx(lost.seconds)
+        assert all(before.end <= after.start for before, after in itertools.pairwise(lost.stretches))
+
+
+def test_dead_ends_are_told_from_what_nothing_leads_to() -> None:
+    """A march whose beginning and end are like nothing else: the one cannot be come back to, from the other nothing leads back."""
+    march = rounds(12.0, lead=2.0)
+    t = np.arange(march.frame_count) / 30.0
+    bow = quaternion.from_rotvec(about(0, np.clip(t - 10.0, 0.0, None)))
+    rotations = march.rotations.copy()
+    for joint in (march.skeleton.joint_index[name] for name in ("Chest", "Neck", "LeftForeArm", "RightForeArm")):
+        rotations[:, joint] = quaternion.multiply(rotations[:, joint], bow)
+    (lost,) = network(repertoire(march.replace(rotations=rotations), mirrored=False)).pruned
+    head, tail = lost.stretches[0], lost.stretches[-1]
+    assert head.why == "no transition leads there"
+    assert tail.why == "no transition leads back from there"
+    assert tail.end == 12.0
+    assert tail.start == pytest.approx(10.5, abs=1.0)
 
 
 def test_unconnected_recordings_are_named() -> None:

@@ -25,6 +25,11 @@ EXAMPLES = (
 )
 _PANEL = "What is performed"
 _LONGEST_ROUTE = 100_000
+MUCH = 0.25
+"""Share of the recordings left out from which it is said which part it is and what would join it."""
+TRIED = 240.0
+"""Seconds of recordings and their images, up to which a larger threshold is tried rather than advised."""
+_LEFT_OUT_AT_MOST = 4
 
 
 def perform(
@@ -336,25 +341,15 @@ def _summarize(piece: Piece) -> None:
         f"  {piece.mirrored_share:.0%} of it mirrored"
         + (f", {piece.backwards_share:.0%} backwards" if piece.parameters["backwards"] else "")
     )
+    console.print(f"  checked: {terminal.escape(piece.check.sentence)}")
     times = motion.duration / piece.network.seconds
     if not piece.outcome:
         console.print(
             f"  {piece.network.seconds:.1f} s to choose from"
             + (f": every moment comes about {times:.1f} times" if times > 1.2 else "")
         )
-    lost = sum(p.seconds * (p.strand.count(" and ") + 1) for p in piece.pruned)
-    if lost > 0.0:
-        have = lost + piece.network.seconds
-        console.print(
-            f"  [dim]not used, for no way leads there or back: {lost / have:.0%} of what was recorded"
-            f"{' or mirrored' if piece.parameters['mirrored'] else ''}"
-            + (
-                f"; a larger --threshold than {piece.network.threshold:.2g}, or more recordings like it, may join it"
-                if lost > 0.5 * have
-                else ""
-            )
-            + "[/dim]"
-        )
+    for line in _left_out(piece):
+        console.print(f"  [dim]{terminal.escape(line)}[/dim]")
     for line in motion.assumptions:
         if line.startswith(("performed ", "favoured ")) or ": used once" in line:
             console.print(f"  [dim]{terminal.escape(line)}[/dim]")
@@ -365,6 +360,36 @@ def _summarize(piece: Piece) -> None:
         )
     for line in motion.warnings:
         console.print(f"  [yellow]doubtful:[/yellow] {terminal.escape(line)}")
+
+
+def _left_out(piece: Piece) -> list[str]:
+    """How much is not used, of which recording what and why, and what would join it."""
+    lost = sum(p.seconds * (p.strand.count(" and ") + 1) for p in piece.pruned)
+    if lost <= 0.0:
+        return []
+    have = lost + piece.network.seconds
+    either = " or mirrored" if piece.parameters["mirrored"] else ""
+    lines = [f"not used, for no way leads there or back: {lost / have:.0%} of what was recorded{either}"]
+    if lost < MUCH * have:
+        return lines
+    dearest = sorted(piece.pruned, key=lambda p: -p.seconds)
+    lines += [f"  {p}" for p in dearest[:_LEFT_OUT_AT_MOST]]
+    if more := dearest[_LEFT_OUT_AT_MOST:]:
+        lines.append(f"  and {sum(p.seconds for p in more):.1f} s of others, told in the provenance")
+    if have > TRIED:
+        return [
+            *lines,
+            f"a larger --threshold than {piece.network.threshold:.2g}, or more recordings like it, may join it",
+        ]
+    from kinesics.synthesis.reach import farther
+
+    larger = farther(piece.network)
+    if larger is None:
+        return [*lines, "no larger --threshold joins much more of it; more recordings like it may"]
+    return [
+        *lines,
+        f"--threshold {larger.threshold:g} leaves out {1.0 - larger.seconds / have:.0%}, by transitions between moments less alike",
+    ]
 
 
 def _where(x: float, z: float) -> str:

@@ -210,6 +210,7 @@ def network(
     if len(besides) and not (besides.min() >= 0 and besides.max() < repertoire.frame_count):
         raise InputError(f"Expected `seams` below {repertoire.frame_count}, got {besides.min()} to {besides.max()}.")
     cut = draft(repertoire, found.source, found.target, besides)
+    pruned: tuple[Pruned, ...] | None = None
     while True:
         kept = largest_part(cut)
         if int(cut.length[kept].sum()) < LEAST_SECONDS * repertoire.fps:
@@ -225,6 +226,8 @@ def network(
                 + "or a larger `threshold` "
                 f"than {found.threshold:.3g} (mean D)."
             )
+        # why anything is left out is seen while all transitions are there
+        pruned = pruned_of(repertoire, cut, kept) if pruned is None else pruned
         # cuts of which no transition is left only divide what always follows
         inside = kept[cut.path] & kept[cut.indices] & (cut.transition >= 0)
         used = np.unique(cut.transition[inside])
@@ -232,7 +235,7 @@ def network(
             break
         found = _some(found, used)
         cut = draft(repertoire, found.source, found.target, besides)
-    return _finished(repertoire, found, cut, kept)
+    return _finished(repertoire, found, cut, kept, pruned)
 
 
 def _some(found: Transitions, which: Indices) -> Transitions:
@@ -245,7 +248,9 @@ def _some(found: Transitions, which: Indices) -> Transitions:
     )
 
 
-def _finished(repertoire: Repertoire, found: Transitions, cut: Draft, kept: Mask) -> Network:
+def _finished(
+    repertoire: Repertoire, found: Transitions, cut: Draft, kept: Mask, pruned: tuple[Pruned, ...]
+) -> Network:
     number = np.cumsum(kept) - 1
     inside = kept[cut.path] & kept[cut.indices]
     before, after, transition = number[cut.path[inside]], number[cut.indices[inside]], cut.transition[inside]
@@ -261,7 +266,6 @@ def _finished(repertoire: Repertoire, found: Transitions, cut: Draft, kept: Mask
     yaw = np.unwrap(repertoire.poses.yaw)
     mirrored = np.where(repertoire.is_mirrored(first), -1.0, 1.0)
     turn = mirrored * (yaw[repertoire.frame_of(onward)] - yaw[repertoire.frame_of(first)])
-    pruned = pruned_of(repertoire, first, length)
     gone = tuple(dict.fromkeys(p.recording for p in pruned if p.everything))
     if gone:
         warnings.warn(

@@ -9,12 +9,35 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kinesics.synthesis.repertoire import BACKWARD_STRANDS, STRANDS, Repertoire
+from kinesics.synthesis.parts import Draft
+from kinesics.synthesis.repertoire import STRANDS, Repertoire
 from kinesics.synthesis.transitions import Transitions
 
 Indices = NDArray[np.intp]
+Mask = NDArray[np.bool_]
 
 _NAMES_AT_MOST: Final = 8
+_STRETCHES_AT_MOST: Final = 4
+_WHY: Final = (
+    "",
+    "no transition leads back from there",
+    "no transition leads there",
+    "no transition leads there and back again",
+)
+
+
+class Stretch(NamedTuple):
+    """Part of a recording that the network leaves out."""
+
+    start: float
+    """Seconds of the recording."""
+    end: float
+    why: str
+    """Whether nothing leads there, nothing leads back, or neither."""
+
+    def __str__(self) -> str:
+        """From when to when, and why."""
+        return f"{self.start:.2f}–{self.end:.2f} s: {self.why}"
 
 
 class Pruned(NamedTuple):
@@ -29,45 +52,76 @@ class Pruned(NamedTuple):
     """Whether nothing of the recording is left in this strand."""
     everything: bool
     """Whether nothing of the recording is left in any strand."""
+    stretches: tuple[Stretch, ...] = ()
+    """Which of its seconds, in their order."""
 
     def __str__(self) -> str:
         """One line."""
         return f"{self.recording}, {self.strand}: {self.seconds:.2f} s, {self.why}"
 
 
-def pruned_of(repertoire: Repertoire, first: Indices, length: Indices) -> tuple[Pruned, ...]:
-    """What the paths of a network do not play: they begin at these moments and last so many frames, shape (paths,) each."""
-    frames, fps = repertoire.frame_count, repertoire.fps
-    played = np.zeros((4, frames), dtype=np.bool_)
-    strand, frame = repertoire.strand_of(first), repertoire.frame_of(first)
-    low = np.where(np.asarray(BACKWARD_STRANDS)[strand], frame - length + 1, frame)
-    for s, start, count in zip(strand.tolist(), low.tolist(), length.tolist(), strict=True):
-        played[s, start : start + count] = True
+def pruned_of(repertoire: Repertoire, cut: Draft, kept: Mask) -> tuple[Pruned, ...]:
+    """What is not played of the recordings.
+
+    Parameters
+    ----------
+    cut : all paths, and all that may follow them.
+    kept : the paths that are played, shape (paths,).
+    """
+    fps = repertoire.fps
+    lot = np.zeros((4, repertoire.frame_count), dtype=np.intp)
+    why = _lots(cut, kept)
+    low = np.minimum(repertoire.frame_of(cut.first), repertoire.frame_of(cut.last))
+    for s, start, count, what in zip(
+        repertoire.strand_of(cut.first).tolist(), low.tolist(), cut.length.tolist(), why.tolist(), strict=True
+    ):
+        lot[s, start : start + count] = what
     out: list[Pruned] = []
     for name, (start, end) in zip(repertoire.names, itertools.pairwise(repertoire.starts.tolist()), strict=True):
         # strands that lose the same are told together
         losses: dict[bytes, list[int]] = {}
         for s in repertoire.strands:
-            losses.setdefault(played[s, start:end].tobytes(), []).append(s)
+            losses.setdefault(lot[s, start:end].tobytes(), []).append(s)
         for strands in losses.values():
-            used = played[strands[0], start:end]
-            if used.all():
+            own = lot[strands[0], start:end]
+            if not own.any():
                 continue
+            edges = [0, *(np.flatnonzero(np.diff(own)) + 1).tolist(), end - start]
+            stretches = tuple(
+                Stretch(a / fps, b / fps, _WHY[int(own[a])]) for a, b in itertools.pairwise(edges) if own[a]
+            )
+            whole = bool(own.all())
+            everything = whole and len(strands) == len(repertoire.strands)
+            longest = sorted(stretches, key=lambda part: part.start - part.end)
+            shown = sorted(longest[:_STRETCHES_AT_MOST])
+            told = ", ".join(str(part) for part in shown)
+            if more := stretches[_STRETCHES_AT_MOST:]:
+                rest = sum(part.end - part.start for part in longest[_STRETCHES_AT_MOST:])
+                told += f", and {len(more)} shorter parts of {rest:.2f} s in all"
+            if whole and len({part.why for part in stretches}) == 1:
+                told = stretches[0].why
+            seconds = float(np.count_nonzero(own)) / fps
             how = " and ".join(STRANDS[s] for s in strands)
-            if not used.any():
-                everything = len(strands) == len(repertoire.strands)
-                why = "no transition leads there and back again"
-                out.append(Pruned(name, how, (end - start) / fps, why, True, everything))
-                continue
-            head, tail = int(np.argmax(used)), int(np.argmax(used[::-1]))
-            middle = int(np.count_nonzero(~used)) - head - tail
-            parts = [
-                f"{count / fps:.2f} s {place}"
-                for count, place in ((head, "before the first way in"), (tail, "after the last way out"))
-                if count
-            ] + ([f"{middle / fps:.2f} s between, from where no way leads back"] if middle else [])
-            out.append(Pruned(name, how, (head + middle + tail) / fps, ", ".join(parts), False, False))
+            out.append(Pruned(name, how, seconds, told, whole, everything, stretches))
     return tuple(out)
+
+
+def _lots(cut: Draft, kept: Mask) -> Indices:
+    """Of each path 0 if it is kept, else the number of the reason in `_WHY`."""
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import breadth_first_order
+
+    count = len(kept)
+    reached: list[Mask] = []
+    start = np.flatnonzero(kept)[0]
+    for path, onward in ((cut.path, cut.indices), (cut.indices, cut.path)):
+        graph = csr_array((np.ones(len(path)), (path, onward)), shape=(count, count))
+        seen = np.zeros(count, dtype=np.bool_)
+        seen[breadth_first_order(graph, start, return_predecessors=False)] = True
+        reached.append(seen)
+    entered, left = reached
+    # whatever is both entered and left is kept
+    return np.where(kept, 0, np.where(entered, 1, np.where(left, 2, 3)))
 
 
 def why_none(found: Transitions) -> str:

@@ -52,6 +52,7 @@ from kinesics.synthesis.sharing import Shared, refined
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
+Mask = NDArray[np.bool_]
 
 SPACING: Final = 0.1
 """Seconds between seams that are used, at least."""
@@ -140,16 +141,25 @@ def _chosen(seams: Seams, pool: Pairs, density: float) -> Pairs:
     low = lowest(seams, pool)
     some, others = pool.take(low), pool.take(~low)
     # what joins goes first: it has the choice of seams
-    for left in (some, others):
-        for _ in range(_ROUNDS):
-            used = joining(seams, shared.pairs, left)
-            if not used.any():
-                break
-            shared.hold(left.take(used))
-            left = left.take(~used)
+    needed = joining(seams, Pairs.none(), some), joining(seams, some, others)
+    shared.hold(Pairs.joined([some.take(needed[0]), others.take(needed[1])]))
+    left = pool.take(~_either(low, *needed))
+    for _ in range(_ROUNDS):
+        used = joining(seams, shared.pairs, left)
+        if not used.any():
+            break
+        shared.hold(left.take(used))
+        left = left.take(~used)
     shared.add(best(seams, some, 2.0 * density))
     densest = best(seams, shared.pairs, density)
     return Pairs.joined([densest, shared.pairs.take(joining(seams, densest, shared.pairs))])
+
+
+def _either(low: Mask, among_low: Mask, among_others: Mask) -> Mask:
+    """Two choices as one: among the low ones, and among the others."""
+    out = np.zeros(len(low), dtype=np.bool_)
+    out[low], out[~low] = among_low, among_others
+    return out
 
 
 def _transitions(seams: Seams, pairs: Pairs, found: Found) -> Transitions:
