@@ -523,8 +523,8 @@ def _drawing(svg: bytes, prefix: str, words: str, *, kind: str = "wide") -> str:
     """
     text = svg.decode()
     text = text[text.index("<svg") :]
-    text = re.sub(r'\bid="', f'id="{prefix}-', text)
-    text = re.sub(r'(href="#|url\(#)', rf"\g<1>{prefix}-", text)
+    for named in (' id="', 'href="#', "url(#"):
+        text = text.replace(named, f"{named}{prefix}-")
     # width and height in points would hold the drawing at one size; the viewBox is there
     head, tail = text.split(">", 1)
     natural = re.search(r'\swidth="([0-9.]+pt)"', head)
