@@ -458,7 +458,7 @@ def provenance(piece: Piece, motions: Sequence[kx.Motion]) -> float:
         if not len(at):
             continue
         body = piece.motion.skeleton
-        same = motion.skeleton.same_tree(body) and np.allclose(motion.skeleton.offsets, body.offsets, atol=1e-6)
+        same = motion.skeleton.same_tree(body) and _rest_alike(motion.skeleton.offsets, body.offsets)
         # what a rest pose does not tell is seen in the recording: alike for all on one skeleton
         poses = kx.poses(motion.replace(skeleton=body) if same else motion)
         best = np.full(len(at), np.inf)
@@ -470,6 +470,12 @@ def provenance(piece: Piece, motions: Sequence[kx.Motion]) -> float:
             best = np.minimum(best, paired_distance(own[at], there))
         worst = max(worst, float(best.max()))
     return worst
+
+
+def _rest_alike(a: Array, b: Array) -> bool:
+    """Whether bones of two skeletons lie alike at rest, of whatever length."""
+    sizes = np.linalg.norm(a, axis=-1) * np.linalg.norm(b, axis=-1)
+    return bool((np.einsum("ji,ji->j", a, b) >= 0.95 * sizes - 1e-6).all())
 
 
 def measured(piece: Piece, motions: Sequence[kx.Motion]) -> dict[str, float]:

@@ -130,6 +130,15 @@ def test_a_route_is_read_from_a_table(
     assert got.json()["parameters"]["route"] == [[0.0, 0.0], [0.0, 1.5], [0.2, 3.0]]
 
 
+@pytest.mark.parametrize("rows", ['"x","z"\n"0","0"\n"0.2","3"\n', "x;z\n0;0\n0,2;3,0\n", "0;0\r\n.2;3\r\n"])
+def test_a_route_is_read_as_spreadsheets_write_it(kinesics: Kinesics, walk: Path, tmp_path: Path, rows: str) -> None:
+    """In quotes; with semicolons and decimal commas."""
+    (tmp_path / "route.csv").write_text(rows, encoding="utf-8")
+    got = kinesics("perform", walk, "--route", "route.csv", "--json", "--seconds", "1")
+    assert got.code == 0, got.err
+    assert got.json()["parameters"]["route"] == [[0.0, 0.0], [0.2, 3.0]]
+
+
 @pytest.mark.parametrize(
     ("content", "says"),
     [

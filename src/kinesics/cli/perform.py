@@ -269,7 +269,7 @@ def _target(text: str) -> tuple[float, float]:
 
 
 def _route(file: Path) -> list[tuple[float, float]]:
-    """Corners of a route: two numbers a row, between them a comma, semicolon, tab or blank; a heading may stand above."""
+    """Corners of a route: two numbers a row, in quotes or not, a comma, semicolon, tab or blank between; a heading may come first."""
     from kinesics import formats
 
     try:
@@ -279,7 +279,7 @@ def _route(file: Path) -> list[tuple[float, float]]:
     corners: list[tuple[float, float]] = []
     headed = False
     for number, row in enumerate(text.splitlines(), start=1):
-        words = row.split("#")[0].replace(";", " ").replace(",", " ").split()
+        words = _words(row)
         if not words:
             continue
         try:
@@ -303,6 +303,12 @@ def _route(file: Path) -> list[tuple[float, float]]:
             hint="Write a corner a row, x,z in metres from where the performer starts; for one place there is --target.",
         )
     return corners
+
+
+def _words(row: str) -> list[str]:
+    """What stands in a row of a table, as spreadsheets write it; between semicolons a comma is the decimal one."""
+    row = row.split("#")[0].replace('"', " ")
+    return row.replace(",", "." if ";" in row else " ").replace(";", " ").split()
 
 
 def _summarize(piece: Piece) -> None:
