@@ -269,7 +269,7 @@ def _target(text: str) -> tuple[float, float]:
 
 
 def _route(file: Path) -> list[tuple[float, float]]:
-    """Corners of a route: two numbers a row, in quotes or not, a comma, semicolon, tab or blank between; a heading may come first."""
+    """Corners of a route: two numbers a row (see `_words`); a heading may stand above."""
     from kinesics import formats
 
     try:
@@ -306,7 +306,10 @@ def _route(file: Path) -> list[tuple[float, float]]:
 
 
 def _words(row: str) -> list[str]:
-    """What stands in a row of a table, as spreadsheets write it; between semicolons a comma is the decimal one."""
+    """What stands in a row of a table, as spreadsheets write it: between commas, semicolons, tabs or blanks, in quotes or not.
+
+    Beside semicolons a comma is the decimal one.
+    """
     row = row.split("#")[0].replace('"', " ")
     return row.replace(",", "." if ";" in row else " ").replace(";", " ").split()
 
