@@ -419,10 +419,22 @@ def _travel(
     if alike:
         return np.asarray(draft.root_positions), scale
     # roughly right, so that the feet are seen to stand; then the lowest points are put where they were
-    low, low_draft = _lowest(motion, draft, source, target)
+    return lowered(draft, motion, scale), scale
+
+
+def lowered(draft: Motion, motion: Motion, scale: float = 1.0) -> Array:
+    """Positions of the root, metres, shape (frames, 3), with which the lowest point of a body is where another's is.
+
+    Parameters
+    ----------
+    draft, motion : the same movement on the two bodies, which carry their anatomy.
+    scale : times the height of the other.
+    """
+    assert draft.skeleton.anatomy is not None
+    low, low_draft = _lowest(motion, draft, body_of(motion.skeleton), draft.skeleton.anatomy)
     roots = draft.root_positions.copy()
     roots[:, 1] += _smooth(scale * low - low_draft, _SETTLING * motion.fps)
-    return roots, scale
+    return roots
 
 
 def _smooth(values: Array, frames: float) -> Array:

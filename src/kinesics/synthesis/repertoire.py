@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kinesics.body import anatomy as _anatomy
 from kinesics.body.contacts import floor_height, foot_contacts, grounded
+from kinesics.body.legs_apart import legs_apart
 from kinesics.body.limits import DEPTH_TOLERANCE, Capsules
 from kinesics.body.mirroring import mirror
 from kinesics.body.motion import Motion
@@ -441,7 +442,14 @@ def _brought(motion: Motion, skeleton: Skeleton) -> tuple[Motion, tuple[str, ...
     if out.joint_translations is not None:
         # the root joint lies in the pelvis
         out = out.replace(root_positions=out.positions()[:, skeleton.anatomy.pelvis], joint_translations=None)
-    return out.replace(skeleton=skeleton), out.assumptions[len(motion.assumptions) :]
+    said = out.assumptions[len(motion.assumptions) :]
+    apart = legs_apart(out.replace(skeleton=skeleton), motion)
+    if apart.angle > 0.0:
+        said += (
+            f"thighs turned outwards by {np.rad2deg(apart.angle):.1f}°, for the hips are narrower than those recorded: knees and "
+            "feet are as far apart as they were",
+        )
+    return apart.motion, said
 
 
 def _distinct(names: Sequence[str]) -> tuple[str, ...]:
