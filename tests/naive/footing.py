@@ -37,9 +37,10 @@ def sum_of_squares(
             if t > 0:
                 slips = (feet[t, k] - feet[t - 1, k])[[0, 2]] + slid[t - 1, k]
                 total += (grip[t - 1, k] * fps / footing.SLIP) ** 2 * float(slips @ slips)
-        weights = np.array([footing.ADRIFT, footing.SINKING, footing.ADRIFT])
-        shares = np.array([1.0, 0.0, 1.0]) * (1.0 - footing._LEFT) * both[t]
-        total += float(np.sum((1.0 - shares) * (body[t] / weights) ** 2))
+        total += (body[t, 1] / footing.SINKING) ** 2
+        for axis in (0, 2):
+            total += (1.0 - both[t]) * (body[t, axis] / footing.ADRIFT) ** 2
+            total += both[t] * (body[t, axis] / footing._ANYWHERE) ** 2
     for t in range(1, frames - 1):
         bent = [[], [], []]
         for n, s in enumerate((t - 1, t, t + 1)):

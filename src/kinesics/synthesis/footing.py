@@ -34,8 +34,9 @@ GENTLE: Final = 100.0
 """m/s²: of a foot."""
 ASTRAY: Final = 0.008
 """Metres of a foot from its place beneath the body."""
-ADRIFT: Final = 0.12
-"""Metres of the body over the floor from its place."""
+ADRIFT: Final = 1.0
+"""Metres of the body over the floor from its place: feet that slide in the recordings make every stride a little longer than legs
+that stand can, and the body, gone on as it was laid, would take a hip to the end of its range in every step."""
 BOUND: Final = 0.001
 """Metres of a foot from where a joint at the end of its range has it."""
 SINKING: Final = 0.02
@@ -45,8 +46,8 @@ _SHARE: Final = 0.25
 _LEAST_BEND: Final = np.deg2rad(12.0)
 """A knee that is straighter counts as one bent by so much: beyond, the leg's length is quadratic in the angle."""
 _BODY: Final = 6
-_LEFT: Final = 1e-4
-"""Share of the weight of `ADRIFT` that is left while the body stands."""
+_ANYWHERE: Final = 12.0
+"""Metres that stand for `ADRIFT` while the body stands."""
 _NONE: Final = "There is no least sum of squares: places, or what they weigh, are not finite."
 
 
@@ -125,6 +126,7 @@ def footing(
     fps: float,
     bounds: Bounds,
     both: Array | float = 0.0,
+    adrift: float = ADRIFT,
 ) -> Footing:
     """Seek what is added to the places of feet and body.
 
@@ -136,12 +138,13 @@ def footing(
     press : 0 to 1, how much it is to be on the floor, shape (frames, 2).
     both : 0 to 1, how surely the body stands on both feet, shape (frames,): it is then where they are, and comes back when one
         swings.
+    adrift : metres of the body over the floor from its place that weigh as much as the others.
     """
     frames = len(height)
     if frames < 3:
         return Footing(np.zeros((frames, 2, 3)), np.zeros((frames, 3)))
-    drift = np.broadcast_to(1.0 / np.square([ADRIFT, SINKING, ADRIFT]), (frames, 3)).copy()
-    drift[:, [0, 2]] *= 1.0 - (1.0 - _LEFT) * np.broadcast_to(both, frames)[:, None]
+    drift = np.broadcast_to(1.0 / np.square([adrift, SINKING, adrift]), (frames, 3)).copy()
+    drift[:, [0, 2]] += np.broadcast_to(both, frames)[:, None] * (_ANYWHERE**-2 - drift[:, [0, 2]])
     sought = _Sought(
         stiff, slid, grip * (fps / SLIP), height, press / HEIGHT, bounds.way / BOUND, bounds.least / BOUND, drift
     )

@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.body.motion import Motion
+from kinesics.synthesis import checking
+from kinesics.synthesis.checking import Check
 from kinesics.synthesis.controller import Course
 from kinesics.synthesis.goals import RADIUS
 from kinesics.synthesis.network import Network
@@ -133,6 +135,11 @@ class Piece:
     def visits(self) -> list[int]:
         """Frames at which the places were reached, one after the other, as many as were."""
         return visits(self.trail, self.places, self.radius)
+
+    @cached_property
+    def check(self) -> Check:
+        """Slides, floor, ranges, depths and D, measured on the movement as performed."""
+        return checking.check(self.performance, self.network)
 
     @property
     def pruned(self) -> tuple[Pruned, ...]:
@@ -259,6 +266,7 @@ class Piece:
                 "nearest_m": None if self.nearest is None else _rounded(self.nearest),
                 "aside_m": None if self.aside is None else _rounded(self.aside),
             },
+            "check": self.check.to_dict(),
             "mirrored_share": _rounded(self.mirrored_share),
             "backwards_share": _rounded(self.backwards_share),
             "spans": [

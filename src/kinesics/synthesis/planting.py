@@ -24,7 +24,6 @@ from kinesics.synthesis.footing import Bounds, Stiffness
 from kinesics.synthesis.stage import (
     FLESH,
     LIFT,
-    RANGE_TOLERANCE,
     RELEASE,
     SINK,
     SOFTLY,
@@ -44,22 +43,35 @@ GRIP: Final = 0.03
 """Seconds in which a foot that comes down is held more and more firmly; in reverse as it is lifted."""
 ROUNDS: Final = 5
 """Most times that feet are planted, joints put back that were bent too far, and planted again as far as these go."""
+_ARMS: Final = ("left humerus", "left radius", "right humerus", "right radius")
+ASIDE: Final = 5
+"""Most times that an arm is moved aside."""
+_SKIN: Final = 0.5 * FLESH
+"""Metres deeper than in the recordings from which on limbs are moved apart."""
 _LEGS: Final = {"left", "right", "femur", "tibia"}
 STAND: Final = 0.25
 """Seconds: who stands on both feet for four times as long is where the feet are, wherever the paths were laid."""
 BACK: Final = 2.0
 """Seconds of walking on in which it turns back by two thirds of what it turned along with them."""
 _LEAST_TURN: Final = np.deg2rad(1.0)
-OVER: Final = 1.0
-"""Share by which more is asked of the body than a foot lacked: smoothness gives back as much."""
+URGED: Final = 0.02
+"""Metres by which more is asked of the body at most than a foot lacked: smoothness gives back as much."""
 LET_PASS: Final = 0.008
 """Metres that a foot may slide in one contact before it is held for longer."""
 _WAYS: Final = np.stack([np.cos(np.arange(8) * np.pi / 8.0), np.sin(np.arange(8) * np.pi / 8.0)])
 """Directions over the floor in which it is measured."""
-_SHORT: Final = 0.001
+_SHORT: Final = 0.0003
 """Metres by which a foot is off where it was planted before the body goes along."""
+_STEP: Final = 0.001
+"""Metres that limbs are moved to see what comes of it."""
+_OVER: Final = 0.001
+"""Radians beyond the range of hip or knee from which on the body goes along."""
+_DAMPED: Final = 0.05
+"""(rad/m)²: added to the squares of how joints turn, for ways along which none does."""
+_FARTHEST: Final = 0.03
+"""Metres that a foot is moved beneath the body in one round to bring a joint back: farther, joints do not turn in proportion."""
 _NOTHING: Final = np.deg2rad(0.2)
-YIELD: Final = 0.1
+YIELD: Final = 0.05
 """Seconds before and after over which a joint goes back that would go beyond its range."""
 
 
@@ -75,7 +87,7 @@ def put_within_range(stage: Stage, rotations: Array, joints: Indices, where: Mas
     reach = max(1, round(YIELD * stage.repertoire.fps))
     frames = np.arange(len(rotations)) if where is None else np.nonzero(where)[0]
     middle = stage.middle[joints]
-    low, high = stage.low[joints] - RANGE_TOLERANCE, stage.high[joints] + RANGE_TOLERANCE
+    low, high = stage.low[joints], stage.high[joints]
     vectors = blending.rotation_offset(middle, rotations[np.ix_(frames, joints)])
     beyond = np.maximum(np.maximum(vectors - high, low - vectors), 0.0)
     for n in np.nonzero((beyond > 1e-9).any(axis=(0, 2)))[0].tolist():
@@ -88,10 +100,13 @@ def put_within_range(stage: Stage, rotations: Array, joints: Indices, where: Mas
         goes = np.flatnonzero(back.any(axis=1))
         at, back = blending.rotation_offset(middle[n], rotations[goes, joints[n]]), back[goes]
         at = np.where(back != 0.0, np.clip(at - back, low[n], high[n]), at)
-        put = blending.add_rotation(middle[n], at)
-        # signs as they were, so that from frame to frame they do not change
-        sign = np.copysign(1.0, np.einsum("fi,fi->f", put, rotations[goes, joints[n]]))
-        rotations[goes, joints[n]] = sign[:, None] * put
+        put_joint(rotations, goes, joints[n], blending.add_rotation(middle[n], at))
+
+
+def put_joint(rotations: Array, frames: Indices, joint: int, q: Array) -> None:
+    """Turn a joint as told in some frames; signs stay as they were, so that from frame to frame they do not change."""
+    sign = np.copysign(1.0, np.einsum("fi,fi->f", q, rotations[frames, joint]))
+    rotations[frames, joint] = sign[:, None] * q
 
 
 def envelope(values: Array, reach: int) -> Array:
@@ -126,8 +141,23 @@ class Footed(NamedTuple):
     """Metres by which each ankle falls short of its place all the same, shape (frames, 2)."""
 
 
-def pin(stage: Stage, rotations: Array, roots: Array, standing: Mask) -> Footed:
-    """Plant the feet that bear: rotations (frames, joints, 4), roots (frames, 3), standing (frames, 2)."""
+def pin(
+    stage: Stage,
+    rotations: Array,
+    roots: Array,
+    standing: Mask,
+    *,
+    adrift: float = footing.ADRIFT,
+    urged: float = URGED,
+) -> Footed:
+    """Plant the feet that bear.
+
+    Parameters
+    ----------
+    rotations, roots, standing : shapes (frames, joints, 4), (frames, 3) and (frames, 2).
+    adrift : as of `kinesics.synthesis.footing.footing`.
+    urged : metres by which more may be asked of the body than a foot lacked, as one round after the other it goes not as far.
+    """
     skeleton = stage.repertoire.skeleton
     held = np.stack([held_around(standing[:, k], RELEASE * stage.repertoire.fps) for k in (0, 1)], axis=-1)
     feet = list(stage.legs.feet)
@@ -137,14 +167,15 @@ def pin(stage: Stage, rotations: Array, roots: Array, standing: Mask) -> Footed:
     given = rotations
     known = _lower(stage, rotations, roots)
     # feet alone are turned before they are planted: what they hang on stays
-    own = known.rotations[:, parents]
+    shins, soles = known.rotations[:, parents], known.rotations[:, feet]
     hips, knees, ankles = (known.positions[:, list(part)] for part in (stage.legs.femurs, stage.legs.tibias, feet))
     recorded = ankles - roots[:, None]
     stiff = footing.stiffness(footing.legs_of(hips, knees, ankles), stage.usual, stage.repertoire.fps)
     bounds = way, least = Bounds.none(len(rotations))
+    more = np.zeros_like(least)
     gripped = standing
     for attempt in range(ROUNDS):
-        done = _planted(stage, given, roots, standing, gripped, held, stiff, bounds)
+        done = _planted(stage, given, roots, standing, gripped, held, stiff, bounds, adrift)
         within = done.rotations.copy()
         put_within_range(stage, within, joints)
         put_back = _lower(stage, within, done.roots)
@@ -157,26 +188,66 @@ def pin(stage: Stage, rotations: Array, roots: Array, standing: Mask) -> Footed:
         if settled and not push.any() and not slipping.any():
             break
         gripped = gripped | slipping
-        # an ankle that would be bent too far turns its foot; the foot is then planted as it is turned
-        given = given.copy()
-        world = planted.rotations[:, parents]
-        turned = quaternion.angle(done.rotations[:, feet], within[:, feet]) > _NOTHING
-        new = quaternion.multiply(quaternion.conjugate(own), quaternion.multiply(world, within[:, feet]))
-        given[:, feet] = np.where(turned[..., None], new, given[:, feet])
-        # where the leg would go too far the body goes along instead
-        reached = put_back.positions[:, feet] - done.roots[:, None]
-        asked = planted.positions[:, feet] - done.roots[:, None]
-        back = reached - asked + push
+        # an ankle that would be bent too far turns its foot, by no more than this leg asks for; it is then planted as it is turned
+        above = planted.rotations[:, parents]
+        turned = done.rotations.copy()
+        turned[:, feet] = level = quaternion.multiply(quaternion.conjugate(above), soles)
+        put_within_range(stage, turned, np.array(feet))
+        goes = quaternion.angle(level, turned[:, feet]) > _NOTHING
+        as_given = quaternion.multiply(quaternion.conjugate(shins), quaternion.multiply(above, turned[:, feet]))
+        given = rotations.copy()
+        given[:, feet] = np.where(goes[..., None], as_given, given[:, feet])
+        # where hip or knee would go too far the body goes along instead; what it fell short by adds up from round to round
+        back = _inward(stage, done) + push
         far = np.linalg.norm(back, axis=-1)
         bound = far > _SHORT
-        way[bound] = back[bound] / far[bound, None]
-        least[bound] = np.einsum("ni,ni->n", way[bound], (reached + push - recorded)[bound]) + OVER * far[bound]
-    return _above_the_floor(stage, done._replace(rotations=within), put_back)
+        towards = back / np.maximum(far, 1e-9)[..., None]
+        along = np.maximum(np.einsum("fki,fki->fk", way, towards), 0.0)
+        more = np.where(bound, np.minimum(along * more + far, urged), more)
+        way[bound] = towards[bound]
+        limit = planted.positions[:, feet] - done.roots[:, None] - recorded + back
+        least[bound] = np.einsum("ni,ni->n", way[bound], limit[bound]) + more[bound]
+    # whoever goes not quite as the recordings do yet begins where it was told to
+    beside = (done.roots[0] - roots[0]) * [1.0, 0.0, 1.0]
+    done = done._replace(rotations=within, roots=done.roots - beside, corrected=done.corrected - beside)
+    return _above_the_floor(stage, done, put_back)
 
 
 def _lower(stage: Stage, rotations: Array, roots: Array) -> Kinematics:
     """Where legs and soles are."""
     return kinematics.forward(stage.repertoire.skeleton, rotations, roots, joints=stage.lower)
+
+
+def _inward(stage: Stage, done: Footed) -> Array:
+    """By how much beneath the body each foot is to move so that hip and knee come back into their range: (frames, 2, 3).
+
+    The least way, by how these joints turn as the leg reaches elsewhere: near full extension a hip that is flexed too far asks for
+    millimetres along the leg rather than for centimetres across it.
+    """
+    legs, skeleton = stage.legs, stage.repertoire.skeleton
+    joints = np.stack([legs.femurs, legs.tibias], axis=1)
+    middle = stage.middle[joints]
+    now = blending.rotation_offset(middle, done.rotations[:, joints])
+    over = np.maximum(now - stage.high[joints], 0.0) - np.maximum(stage.low[joints] - now, 0.0)
+    out = np.zeros((len(now), 2, 3))
+    some = np.flatnonzero(np.abs(over).max(axis=(1, 2, 3)) > _OVER)
+    if not len(some):
+        return out
+    rotations, roots = done.rotations[some], done.roots[some]
+    known = _lower(stage, rotations, roots)
+    ankles = known.positions[:, list(legs.feet)]
+    change = np.empty((len(some), 2, 6, 3))
+    for axis in range(3):
+        targets = ankles + _STEP * np.eye(3)[axis]
+        moved = inverse_kinematics.reach(skeleton, rotations, roots, targets, limbs=legs, known=known).rotations
+        change[..., axis] = (blending.rotation_offset(middle, moved[:, joints]) - now[some]).reshape(-1, 2, 6) / _STEP
+    beyond = over[some].reshape(-1, 2, 6)
+    change *= (np.abs(beyond) > _OVER)[..., None]
+    square = change @ np.swapaxes(change, -1, -2) + _DAMPED * np.eye(6)
+    back = -np.einsum("fkci,fkc->fki", change, np.linalg.solve(square, beyond[..., None])[..., 0])
+    far = np.linalg.norm(back, axis=-1, keepdims=True)
+    out[some] = back * np.minimum(1.0, _FARTHEST / np.maximum(far, 1e-9))
+    return out
 
 
 def _lowest(soles: Array) -> Array:
@@ -210,9 +281,9 @@ def _apart(stage: Stage, known: Kinematics) -> Array:
     ]
     capsules = dataclasses.replace(stage.capsules, pairs=tuple(stage.capsules.pairs[n] for n in legs))
     deepest = stage.deepest[legs]
-    over = capsules.depths(*known) - deepest - 0.5 * FLESH
+    over = capsules.depths(*known) - deepest - _SKIN
     out = np.zeros((len(over), 2, 3))
-    if not (over > 0.5 * FLESH).any():
+    if not (over > 0.0).any():
         return out
     starts, ends = capsules.ends(*known)
     for n, (a, b) in enumerate(capsules.pairs):
@@ -222,7 +293,7 @@ def _apart(stage: Stage, known: Kinematics) -> Array:
         ways = np.zeros((len(deep), 3))
         for axis in (0, 2):
             for sign in (1.0, -1.0):
-                shift = sign * _SHORT * np.eye(3)[axis]
+                shift = sign * _STEP * np.eye(3)[axis]
                 ways[:, axis] += sign * segment_distance(
                     starts[deep, a] + shift, ends[deep, a] + shift, starts[deep, b], ends[deep, b]
                 )
@@ -236,6 +307,60 @@ def _apart(stage: Stage, known: Kinematics) -> Array:
             away = out[:, foot, axis]
             out[:, foot, axis] = envelope(np.maximum(away, 0.0), reach) - envelope(np.maximum(-away, 0.0), reach)
     return out
+
+
+def put_arms_clear(stage: Stage, rotations: Array, roots: Array) -> None:
+    """Move arms aside that would be deeper in another part of the body than they ever are in the recordings; in place.
+
+    Shoulders turn by the least that brings the arm out, over a stretch of time and within their range.
+    """
+    skeleton, capsules = stage.repertoire.skeleton, stage.capsules
+    assert skeleton.anatomy is not None
+    sides = ("left", "right")
+    shoulders = np.array([getattr(skeleton.anatomy.roles, f"{side}_humerus") for side in sides])
+    of_arms = [[n in _ARMS and n.startswith(side) for n in capsules.names] for side in sides]
+    arms = np.array([[of[a] or of[b] for a, b in capsules.pairs] for of in of_arms]).reshape(2, -1)
+    reach = max(1, round(YIELD * stage.repertoire.fps))
+    middle, low, high = stage.middle[shoulders], stage.low[shoulders], stage.high[shoulders]
+    some = np.arange(len(rotations))
+    for _ in range(ASIDE):
+        known = kinematics.forward(skeleton, rotations[some], roots[some])
+        over = np.where(arms.any(axis=0), capsules.depths(*known) - stage.deepest, -np.inf)
+        deep = over.max(axis=1, initial=-np.inf) > _SKIN
+        if not deep.any():
+            return
+        near, worst = some[deep], over[deep].argmax(axis=1)
+        over = over[deep, worst]
+        at = blending.rotation_offset(middle, rotations[np.ix_(near, shoulders)])
+        change = np.zeros((len(near), 2, 3))
+        for side in (0, 1):
+            for axis in range(3):
+                moved = rotations[near]
+                bent = at[:, side] + _STEP * np.eye(3)[axis]
+                moved[:, shoulders[side]] = blending.add_rotation(middle[side], bent)
+                found = capsules.depths(*kinematics.forward(skeleton, moved, roots[near]))[np.arange(len(near)), worst]
+                change[:, side, axis] = np.where(np.isfinite(found), found - over - stage.deepest[worst], 0.0) / _STEP
+        # no component that is at the end of its range helps
+        room = np.where(change > 0.0, at - low, high - at)
+        change *= (room > _STEP) & arms[:, worst].T[..., None]
+        square = np.square(change).sum(axis=(1, 2), keepdims=True)
+        back = np.zeros((len(rotations), 2, 3))
+        back[near] = -change * over[:, None, None] / np.maximum(square, 1e-2)
+        for side in (0, 1):
+            turn = np.stack(
+                [envelope(np.maximum(b, 0.0), reach) - envelope(np.maximum(-b, 0.0), reach) for b in back[:, side].T],
+                axis=-1,
+            )
+            goes = np.flatnonzero(turn.any(axis=1))
+            now = blending.rotation_offset(middle[side], rotations[goes, shoulders[side]]) + turn[goes]
+            put_joint(
+                rotations,
+                goes,
+                shoulders[side],
+                blending.add_rotation(middle[side], np.clip(now, low[side], high[side])),
+            )
+        some = np.flatnonzero(back.any(axis=(1, 2)))
+        some = np.unique(np.clip(some[:, None] + np.arange(-2 * reach, 2 * reach + 1), 0, len(rotations) - 1))
 
 
 def _above_the_floor(stage: Stage, footed: Footed, known: Kinematics) -> Footed:
@@ -257,6 +382,7 @@ def _planted(
     held: Array,
     stiff: Stiffness,
     bounds: Bounds,
+    adrift: float,
 ) -> Footed:
     repertoire, legs = stage.repertoire, stage.legs
     skeleton, fps = repertoire.skeleton, repertoire.fps
@@ -278,6 +404,7 @@ def _planted(
         fps,
         bounds,
         _both(held, fps),
+        adrift,
     )
     corrected, shift = found.feet, found.body
     reach = max(1, round(SOFTLY * fps))

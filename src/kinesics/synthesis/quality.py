@@ -18,19 +18,15 @@ from kinesics.body.contacts import Floor, runs
 from kinesics.body.motion import Motion
 from kinesics.body.pose import poses
 from kinesics.geometry import quaternion
-from kinesics.similarity import distance, mirror_distance
+from kinesics.synthesis.checking import ROUNDING, SLIDE, beyond, nearest, slide
 from kinesics.synthesis.rendering import Performance
 from kinesics.synthesis.repertoire import Repertoire
-from kinesics.synthesis.stage import BEARING, FLESH, RANGE_TOLERANCE, Stage
+from kinesics.synthesis.stage import FLESH, Stage
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 QUANTILE: Final = 0.99
-SLIDE: Final = 0.01
-"""Metres that a foot may slide in one contact."""
-_ROUNDING: Final = 1e-6
-_BLOCK: Final = 512
 
 
 class Beside(NamedTuple):
@@ -74,7 +70,7 @@ class Quality:
     joint_excess: float
     """Radians by which a joint goes beyond its range in the recordings, mirrored counted, at worst."""
     joint_excess_share: float
-    """Share of frames in which any joint does by more than the tolerance (`rendering.RANGE_TOLERANCE`, one degree)."""
+    """Share of frames in which any joint does by more than rounding (`checking.ROUNDING`)."""
     collision: float
     """Metres by which two parts of the body pass deeper into each other than the same two ever do in the recordings."""
     collision_share: float
@@ -130,7 +126,7 @@ def measure(performance: Performance, repertoire: Repertoire, *, threshold: floa
     pushed, was_pushed, push_added = _shares(leaps.acceleration[at], recorded.acceleration, own.acceleration)
     slides, feet, sunk = _feet(motion, stage)
     played = own.feet[image, frame]
-    excess = _beyond(motion, stage)
+    excess = beyond(motion, stage)
     deep = stage.capsules.depths(motion.positions(), motion.global_rotations()) - stage.deepest
     spans = [(k, a, b) for k in (0, 1) for a, b in runs(feet[:, k])]
     return Quality(
@@ -146,9 +142,9 @@ def measure(performance: Performance, repertoire: Repertoire, *, threshold: floa
         contact_share=Beside(float(feet.mean()), float(played.mean())),
         touches=float(np.mean([not played[a:b, k].any() for k, a, b in spans])) if spans else 0.0,
         penetration=Beside(sunk, own.penetration),
-        distance=Beside(float(_nearest(motion, repertoire).max()), threshold),
+        distance=Beside(float(nearest(poses(motion), repertoire).max()), threshold),
         joint_excess=float(excess.max(initial=0.0)),
-        joint_excess_share=float(np.mean((excess > RANGE_TOLERANCE + _ROUNDING).any(axis=1))),
+        joint_excess_share=float(np.mean((excess > ROUNDING).any(axis=1))),
         collision=float(max(0.0, deep.max(initial=0.0))),
         collision_share=float(np.mean((deep > FLESH).any(axis=1))),
         lowered=float(performance.lowered.max()),
@@ -215,46 +211,6 @@ def _feet(motion: Motion, stage: Stage) -> tuple[Array, Mask, float]:
         for a, b in runs(found.feet[:, k])
     ]
     return np.array(slides), found.feet, float(max(0.0, -found.positions[..., 1].min()))
-
-
-def slide(points: Array, height: Array) -> float:
-    """How far the bearing part of a sole goes over the floor during one contact, metres.
-
-    Parameters
-    ----------
-    points : of the sole, shape (frames, points, 3).
-    height : above where each usually bears, shape (frames, points): the lower, the more it bears.
-    """
-    if len(points) < 2:
-        return 0.0
-    middle = 0.5 * (height[1:] + height[:-1])
-    share = np.exp(-(middle - middle.min(axis=1, keepdims=True)) / BEARING)
-    share /= share.sum(axis=1, keepdims=True)
-    steps = np.einsum("fp,fpi->fi", share, np.diff(points[..., [0, 2]], axis=0))
-    way = np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
-    blocks = (way[a : a + _BLOCK, None] - way[None] for a in range(0, len(way), _BLOCK))
-    return float(max(np.einsum("abi,abi->ab", apart, apart).max() for apart in blocks) ** 0.5)
-
-
-def _nearest(motion: Motion, repertoire: Repertoire) -> Array:
-    """D of every frame to the nearest of the recordings, shape (frames,)."""
-    own, sources = poses(motion), repertoire.poses
-    out = np.empty(len(own))
-    for a in range(0, len(own), _BLOCK):
-        block = own[a : a + _BLOCK]
-        best = distance(block, sources).min(axis=1)
-        if repertoire.mirrored:
-            best = np.minimum(best, mirror_distance(block, sources).min(axis=1))
-        out[a : a + _BLOCK] = best
-    return out
-
-
-def _beyond(motion: Motion, stage: Stage) -> Array:
-    """Radians by which each joint but those the body hangs on is beyond its range, shape (frames, joints)."""
-    vectors = quaternion.as_rotvec(quaternion.multiply(quaternion.conjugate(stage.middle), motion.rotations))
-    out = np.maximum(np.maximum(stage.low - vectors, vectors - stage.high), 0.0).max(axis=-1)
-    out[:, : stage.carrier + 1] = 0.0
-    return np.asarray(out)
 
 
 def _over(shares: Array) -> float:

@@ -22,6 +22,10 @@ Array = NDArray[np.float64]
 
 _AT_ONCE: Final = 6000
 """Frames that are performed at once, for the sake of memory."""
+_ADRIFT: Final = 0.12
+"""Metres: as of `pin`. Live, ways are decided by the recordings as they are."""
+_URGED: Final = 0.0
+"""The same: what is asked of a body that plays on and on is asked of it in every round, so gently."""
 _OVERLAP: Final = 300
 """Frames besides before and after, which are then left out."""
 
@@ -55,7 +59,7 @@ class Rehearsal:
                     b = min(a + _AT_ONCE, past)
                     low, high = max(a - _OVERLAP, first), min(b + _OVERLAP, past)
                     given = own.rotations[image, low:high], own.root_positions[image, low:high]
-                    done = pin(stage, *given, own.contacts[image, low:high])
+                    done = pin(stage, *given, own.contacts[image, low:high], adrift=_ADRIFT, urged=_URGED)
                     inner = slice(a - low, b - low)
                     rotations[image, a:b] = done.rotations[inner][:, joints]
                     roots[image, a:b] = done.roots[inner]

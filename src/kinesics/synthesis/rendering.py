@@ -8,9 +8,11 @@
    the lower a point, the more (heel, then ball, then tip). What is added to the places of feet and body, so that bearing
    soles neither slide nor hover and nothing is accelerated more than need be, is sought for all frames at once
    (`kinesics.synthesis.footing`). No sole is let below the floor.
-4. Legs reach by inverse kinematics; feet keep their orientation. A joint that would go more than a degree beyond its range is
-   put back, a leg that would go deeper into the other than it ever does is moved aside, and the body goes along as far as it
-   can (steps 3 and 4 again); what is left a foot slides: range first.
+4. Legs reach by inverse kinematics; feet keep their orientation. A joint that would go beyond its range is put back, a leg that
+   would go deeper into the other than it ever does is moved aside, and the body goes along as far as it can (steps 3 and 4
+   again); what is left a foot slides: range first.
+5. A leg that planting took farther from its source than transitions are accepted at goes back towards it; an arm that would be
+   deeper in another part of the body than it ever is, is moved aside. `kinesics.synthesis.checking` measures what came of it.
 
 `kinesics.synthesis.live` does the same frame by frame, knowing only the past.
 """
@@ -32,7 +34,7 @@ from kinesics.geometry import quaternion
 from kinesics.similarity import paired_distance
 from kinesics.synthesis import blending
 from kinesics.synthesis.network import Network
-from kinesics.synthesis.planting import Footed, pin, put_within_range
+from kinesics.synthesis.planting import YIELD, Footed, envelope, pin, put_arms_clear, put_joint, put_within_range
 from kinesics.synthesis.repertoire import Repertoire
 from kinesics.synthesis.stage import SPARED, Stage, bearing, seams, turn_bodies
 
@@ -44,6 +46,10 @@ SHORTEST_GAP: Final = 0.13
 """Seconds: at a transition no foot is lifted for less."""
 _NEAR: Final = 0.9
 """Share of the largest D accepted at a transition that a blend may lead away from what it plays: feet and ranges come after."""
+_BACK: Final = 0.3
+"""Share of the way back to the blend that a planted leg goes where it went too far."""
+_PLANTED_FAR: Final = np.deg2rad(5.0)
+"""By less planting takes no pose from its source: four links of fifteen turned by 5° are a D of .0005."""
 _TRIES: Final = 6
 """Most times that blends are made quicker that lead farther."""
 _QUICKER: Final = 0.75
@@ -155,9 +161,11 @@ def render(
     if pinned:
         footed = pin(stage, rotations, roots, standing)
         rotations, roots = footed.rotations, footed.roots
+        _not_too_far(stage, rotations, blended.rotations, laid.moments, network.threshold)
     else:
         zero = np.zeros((len(roots), 2, 3))
         footed = Footed(rotations, roots, zero, np.zeros(len(roots)), np.zeros((len(roots), 2)))
+    put_arms_clear(stage, rotations, roots)
     motion = Motion(
         network.repertoire.skeleton,
         rotations,
@@ -308,6 +316,8 @@ def _inertial(stage: Stage, laid: _Laid, room: Array) -> tuple[_Blended, Array]:
     weight = np.ones(frames)
     added = np.zeros((frames, *laid.offsets.shape[1:])) if len(laid.cuts) else None
     spans = np.zeros((len(laid.cuts), 2))
+    loose = np.ones(laid.offsets.shape[1], dtype=np.bool_)
+    loose[stage.blended] = False
     for k, cut in enumerate(laid.cuts.tolist()):
         assert added is not None
         size, speed = np.linalg.norm(laid.offsets[k], axis=-1), np.linalg.norm(laid.velocities[k], axis=-1)
@@ -323,7 +333,8 @@ def _inertial(stage: Stage, laid: _Laid, room: Array) -> tuple[_Blended, Array]:
         a = max(0, cut - int(np.ceil(span.before * laid.fps)))
         b = min(frames, cut + int(np.ceil(span.after * laid.fps)) + 1)
         times = (np.arange(a, b) - cut) / laid.fps
-        added[a:b] += blending.two_sided(laid.offsets[k], laid.velocities[k], times, span)
+        paced = blending.at_their_own_pace(laid.velocities[k], span, loose)
+        added[a:b] += blending.two_sided(laid.offsets[k], paced.velocities, times, span, paced.pace)
         own = np.where(times < 0.0, 1.0 - span.share_before * blending.ease(1.0 + times / max(span.before, 1e-9)), 0.0)
         own += np.where(
             times >= 0.0, 1.0 - (1.0 - span.share_before) * blending.ease(1.0 - times / max(span.after, 1e-9)), 0.0
@@ -334,6 +345,34 @@ def _inertial(stage: Stage, laid: _Laid, room: Array) -> tuple[_Blended, Array]:
         rotations[touched] = blending.add_rotation(rotations[touched], added[touched, :-1])
         roots += added[:, -1]
     return _Blended(rotations, roots, weight), spans
+
+
+def _not_too_far(stage: Stage, rotations: Array, blended: Array, moments: Indices, threshold: float) -> None:
+    """Where planting took a pose farther from its source than transitions are accepted at, it is taken back as far; in place.
+
+    The blend itself is nearer (`_NEAR`), and between two poses within range all are.
+    """
+    repertoire = stage.repertoire
+    joints = np.array([*stage.legs.femurs, *stage.legs.tibias])
+    reach = max(1, round(YIELD * repertoire.fps))
+    # what planting turns are four of fifteen links
+    for _ in range(_TRIES):
+        some = np.flatnonzero(quaternion.angle(rotations[:, joints], blended[:, joints]).max(axis=1) > _PLANTED_FAR)
+        if not len(some):
+            return
+        poses = _poses(Motion(repertoire.skeleton, rotations[some], np.zeros((len(some), 3)), repertoire.fps))
+        apart = paired_distance(poses.quaternions, repertoire.quaternions_of(moments[some]))
+        if not (apart > threshold).any():
+            return
+        share = np.zeros(len(rotations))
+        share[some[apart > threshold]] = _BACK
+        share = envelope(share, reach)
+        goes = np.flatnonzero(share)
+        for j in (*joints.tolist(), *stage.legs.feet):
+            at, towards = (blending.rotation_offset(stage.middle[j], q[goes, j]) for q in (rotations, blended))
+            put_joint(
+                rotations, goes, j, blending.add_rotation(stage.middle[j], at + share[goes, None] * (towards - at))
+            )
 
 
 # --- feet

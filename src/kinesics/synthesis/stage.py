@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from kinesics.body import contacts as _contacts
 from kinesics.body import kinematics
 from kinesics.body.contacts import Floor, Soles
-from kinesics.body.limits import JOINT_TOLERANCE, Capsules
+from kinesics.body.limits import Capsules
 from kinesics.body.motion import Motion
 from kinesics.geometry import quaternion
 from kinesics.synthesis import blending, footing, inverse_kinematics
@@ -53,12 +53,9 @@ SUNK: Final = 0.004
 """Metres below the floor that are let pass: a sole gives way."""
 SINK: Final = 0.15
 """Seconds before and after over which the pelvis gives way where a leg cannot reach."""
-FLESH: Final = 0.01
-"""Metres that limbs may press deeper into each other than they do in the recordings: flesh gives way by twice as much, and
-radii are known no better (`kinesics.body.limits.DEPTH_TOLERANCE`)."""
-RANGE_TOLERANCE: Final = JOINT_TOLERANCE
-"""Radians that a joint may go beyond its range in the recordings: as much as the limits of a file are known to
-(`kinesics.body.limits.JOINT_TOLERANCE`). At the end of a leg it is a centimetre and a half."""
+FLESH: Final = 0.002
+"""Metres that limbs may press deeper into each other than they do in the recordings: a tenth of what flesh gives way by
+(`kinesics.body.limits.DEPTH_TOLERANCE`)."""
 
 
 @dataclass(frozen=True, eq=False)

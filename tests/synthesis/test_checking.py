@@ -1,0 +1,168 @@
+"""Performances stay where their recordings were, whatever is performed of them; and what does not is seen."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import kinesics as kx
+from kinesics.body import kinematics
+from kinesics.body.contacts import runs
+from kinesics.geometry import quaternion
+from kinesics.synthesis import blending, checking, quality
+from kinesics.synthesis.network import Network, network
+from kinesics.synthesis.planting import put_arms_clear
+from kinesics.synthesis.rendering import Performance, render
+from kinesics.synthesis.repertoire import repertoire
+from kinesics.synthesis.stage import FLESH, Stage
+
+
+def walked(seed: int, fps: float, route: str, noise: float) -> Network:
+    """Of a performed walk and its mirror image."""
+    walk = kx.performer.walk(
+        seconds=8, fps=fps, noise_degrees=noise, noise_kind="smooth", route=route, seed=seed
+    ).motion
+    return network(repertoire(walk))
+
+
+def drawn(made: Network, seed: int, count: int) -> list[int]:
+    """Paths at random, with as many transitions as there are."""
+    rng = np.random.default_rng(seed)
+    paths = [int(rng.integers(len(made)))]
+    while len(paths) < count:
+        nexts = made.successors(paths[-1])
+        jumps = nexts[made.first[nexts] != made.onward[paths[-1]]]
+        paths.append(int(rng.choice(jumps if len(jumps) else nexts)))
+    return paths
+
+
+@pytest.fixture(scope="module")
+def made() -> Network:
+    """Of a walk in a circle."""
+    return walked(3, 30.0, "circle", 0.5)
+
+
+@pytest.fixture(scope="module")
+def done(made: Network) -> Performance:
+    """Half a minute, a transition wherever there is one."""
+    return render(made, drawn(made, 1, 80))
+
+
+@settings(max_examples=12, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(
+    seed=st.integers(0, 2**16),
+    fps=st.sampled_from([24.0, 30.0, 60.0]),
+    route=st.sampled_from(["circle", "straight"]),
+    noise=st.floats(0.2, 1.5),
+)
+def test_whatever_is_performed_stays_where_the_recordings_were(seed: int, fps: float, route: str, noise: float) -> None:
+    """Of any walk, by any paths: joints in range to rounding, limbs, floor and D as they may be."""
+    made = walked(seed % 50, fps, route, noise)
+    found = checking.check(render(made, drawn(made, seed, 25)), made)
+    assert found.beyond_range <= 1e-6
+    assert found.deeper <= FLESH
+    assert found.below_floor <= checking.SUNK
+    assert found.distance <= made.threshold
+    assert found.stays
+
+
+def test_feet_stay_though_joints_are_at_the_end_of_their_range(made: Network, done: Performance) -> None:
+    """Of 99 contacts in a hundred none slides more than a centimetre, with no joint beyond its range."""
+    found = checking.check(done, made)
+    assert found.contacts > 10
+    assert found.slides <= 0.01 * found.contacts
+    assert found.holds == (found.slides == 0)
+
+
+def test_check_is_what_quality_measures(made: Network, done: Performance) -> None:
+    """Slides, floor, range and depth are those of the longer measurement; D is nowhere less than to the nearest of all."""
+    found, measured = checking.check(done, made), quality.measure(done, made.repertoire, threshold=made.threshold)
+    assert found.slide == pytest.approx(measured.slide_worst.performance, abs=1e-9)
+    assert found.contacts == measured.contacts
+    assert found.below_floor == pytest.approx(measured.penetration.performance, abs=1e-9)
+    assert found.beyond_range == pytest.approx(measured.joint_excess, abs=1e-9)
+    assert found.deeper == pytest.approx(measured.collision, abs=1e-9)
+    assert measured.distance.performance - 1e-9 <= found.distance <= found.accepted == made.threshold
+
+
+def test_what_is_spoilt_is_seen(made: Network, done: Performance) -> None:
+    """A body sunk, dragged, bent too far, an arm put through the trunk: each shows in its own figure, and nothing holds."""
+    stage = Stage.of(made.repertoire)
+    motion = done.motion
+
+    def checked(**changed: np.ndarray) -> checking.Check:
+        return checking.check(dataclasses.replace(done, motion=motion.replace(**changed)), made)
+
+    assert checked(root_positions=motion.root_positions - [0.0, 0.03, 0.0]).below_floor > 0.02
+    dragged = motion.root_positions + np.linspace(0.0, 3.0, len(motion))[:, None] * [1.0, 0.0, 0.0]
+    assert checked(root_positions=dragged).slides > 0
+    bent = motion.rotations.copy()
+    knee = stage.legs.tibias[0]
+    top = stage.high[knee] + np.deg2rad([30.0, 0.0, 0.0])
+    bent[5, knee] = blending.add_rotation(stage.middle[knee], top)
+    spoilt = checked(rotations=bent)
+    assert spoilt.beyond_range == pytest.approx(np.deg2rad(30.0), abs=1e-6)
+    assert not spoilt.holds
+    assert "30° beyond" in spoilt.sentence
+    through = motion.rotations.copy()
+    assert made.repertoire.skeleton.anatomy is not None
+    shoulder = made.repertoire.skeleton.anatomy.roles.left_humerus
+    through[:, shoulder] = quaternion.multiply(quaternion.from_axis_angle([0.0, 0.0, 1.0], -1.2), through[:, shoulder])
+    assert checked(rotations=through).deeper > FLESH
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_arms_are_moved_out_of_the_body(made: Network, done: Performance, axis: int) -> None:
+    """An arm that is a little deeper in the body than ever comes out of it by turning at the shoulder, and within its range."""
+    stage, motion = Stage.of(made.repertoire), done.motion
+    assert made.repertoire.skeleton.anatomy is not None
+    shoulder = made.repertoire.skeleton.anatomy.roles.left_humerus
+    low, high = stage.low.copy(), stage.high.copy()
+    low[shoulder] -= 1.5
+    high[shoulder] += 1.5
+    free = dataclasses.replace(stage, low=low, high=high)
+    met = 0
+    for angle in np.linspace(-1.4, 1.4, 57):
+        rotations = motion.rotations[:90].copy()
+        turned = blending.rotation_offset(stage.middle[shoulder], rotations[:, shoulder]) + angle * np.eye(3)[axis]
+        rotations[:, shoulder] = blending.add_rotation(
+            stage.middle[shoulder], np.clip(turned, low[shoulder], high[shoulder])
+        )
+        roots = motion.root_positions[:90]
+        deep = stage.capsules.depths(*kinematics.forward(motion.skeleton, rotations, roots)) - stage.deepest
+        if not FLESH < deep.max() < 0.03:
+            continue
+        met += 1
+        put_arms_clear(free, rotations, roots)
+        left = stage.capsules.depths(*kinematics.forward(motion.skeleton, rotations, roots)) - stage.deepest
+        assert left.max() <= FLESH
+        assert (checking.beyond(motion[:90].replace(rotations=rotations), free) <= 1e-6).all()
+    assert met or axis != 2
+
+
+def test_nothing_is_carried_far_by_a_leap_of_its_velocity() -> None:
+    """A loose joint that leaps by 40 rad/s goes .1 rad beyond at most, one that sets the length keeps its time."""
+    window = blending.Window(0.4, 0.4, 0.5)
+    velocities = np.array([[40.0, 0.0, 0.0], [0.5, 0.0, 0.0], [40.0, 0.0, 0.0]])
+    paced = blending.at_their_own_pace(velocities, window, np.array([True, True, False]))
+    added = blending.two_sided(np.zeros((3, 3)), paced.velocities, np.linspace(-0.5, 0.5, 1001), window, paced.pace)
+    farthest = np.abs(added).max(axis=(0, 2))
+    assert farthest[0] == pytest.approx(blending.CARRIED, rel=0.02)
+    assert np.array_equal(paced.velocities[1:], velocities[1:])
+    assert paced.pace[1:] == pytest.approx([1.0, 1.0])
+    assert paced.pace[0] == pytest.approx(blending.SHORTEST / 0.4)
+    assert farthest[2] > 1.0
+
+
+def test_whatever_is_at_once_is_told_in_plain_values(made: Network, done: Performance) -> None:
+    """The figures that the provenance holds are those of the check, and every contact is counted."""
+    found = checking.check(done, made)
+    told = found.to_dict()
+    assert told["holds"] is found.holds
+    assert told["slide_m"] == pytest.approx(found.slide, abs=1e-6)
+    assert told["accepted"] == made.threshold
+    assert found.contacts >= sum(len(runs(done.feet[:, k])) for k in (0, 1)) - 2
