@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shlex
 import signal
@@ -59,6 +60,25 @@ def test_examples_are_calls_that_the_commands_take(line: str) -> None:
     while hasattr(command, "commands"):
         command = command.commands[words.pop(0)]
     command.make_context(line, words).close()
+
+
+@pytest.mark.parametrize(("given", "native", "threads"), [(None, "0", "1"), ("3", "0", "3"), (None, "1", None)])
+def test_numpy_leaves_the_cores_to_the_kernels(
+    given: str | None, native: str, threads: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its products have one thread, unless the user says otherwise or NumPy does all the work."""
+    import kinesics.cli
+    from kinesics import compiled
+
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", given or "")
+    if given is None:
+        monkeypatch.delenv("OPENBLAS_NUM_THREADS")
+    monkeypatch.setenv("KINESICS_NO_NATIVE", native)
+    monkeypatch.delenv("KINESICS_KERNEL", raising=False)
+    with pytest.raises(SystemExit):
+        kinesics.cli.main(["--version"])
+    if compiled.native is not None:
+        assert os.environ.get("OPENBLAS_NUM_THREADS") == threads
 
 
 def test_version(kinesics: Kinesics) -> None:

@@ -6,6 +6,7 @@ The result of a command goes to stdout; progress, remarks and the one message of
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Sequence
 
@@ -13,6 +14,12 @@ from collections.abc import Sequence
 def main(arguments: Sequence[str] | None = None) -> None:
     """Entry point of the ``kinesics`` command."""
     try:
+        from kinesics import compiled
+
+        if compiled.wanted():
+            # what is left to NumPy's products is small: their second thread waits busily, and takes the core from what has use
+            # for it (the compiled kernels have threads of their own). To be said before NumPy is loaded
+            os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
         from kinesics.cli.app import run
     except KeyboardInterrupt:
         sys.exit(130)

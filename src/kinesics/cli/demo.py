@@ -29,9 +29,9 @@ def demo(
     """Analyse a synthetic performance: no recording is needed. Prints where the report is."""
     from kinesics import analysis, performer, report
 
-    with terminal.Bar("Performing and analysing") as bar:
+    with report.helping() as helper, terminal.Bar("Performing and analysing") as bar:
         performance = performer.perform(movement, seed=seed, noise_degrees=_TREMOR_DEGREES, noise_kind="smooth")
         result = analysis.analyze(performance.motion, progress=bar.part(0.1, 0.4))
-        report.save(result, out, progress=bar.part(0.4, 1.0))
+        report.save(result, out, progress=bar.part(0.4, 1.0), helper=helper)
     summarize(result)
     print(f"Report: {out / 'report.html'}")
