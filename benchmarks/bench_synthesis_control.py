@@ -1,6 +1,6 @@
 """The controller on CMU walks: targets in any direction, routes, what mirrored copies are worth, time for a decision.
 
-    python benchmarks/bench_synthesis_control.py [--json FILE] [--only decisions|ready]
+    python benchmarks/bench_synthesis_control.py [--json FILE] [--only decisions|chirality|ready]
 
 Everything is measured on the way of the root over the floor. Networks are made from the walks of the data folder at 30 frames a
 second. Targets lie 3-8 m away in any direction, drawn by seed. A trial begins with any path as recorded, drawn by seed (so it may
@@ -17,6 +17,7 @@ import tempfile
 import time
 import zipfile
 from collections.abc import Sequence
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -68,6 +69,16 @@ def read(names: Sequence[str]) -> list[kx.Motion]:
     folder = data_folder()
     assert folder is not None
     return [kx.read(folder / "cmu" / f"{name}.amc") for name in names]
+
+
+def _clips(kind: str, count: int) -> list[kx.Motion]:
+    """The first clips of a kind of Bandai-Namco's."""
+    folder = data_folder()
+    assert folder is not None
+    archive = folder / "bandai-namco" / "clips.zip"
+    with zipfile.ZipFile(archive) as packed, tempfile.TemporaryDirectory() as place:
+        names = sorted(n for n in packed.namelist() if Path(n).name.startswith(kind) and n.endswith(".bvh"))
+        return [kx.read(packed.extract(name, place)) for name in names[:count]]
 
 
 def prepared(motions: Sequence[kx.Motion], mirrored: bool, lookahead: float = LOOKAHEAD) -> tuple[Network, Prospects]:
@@ -172,6 +183,10 @@ def saved(without: Sequence[Trial], with_them: Sequence[Trial], low: float = 0.0
 def chirality(motions: Sequence[kx.Motion]) -> list[Table]:
     start, end = (round(s * motions[0].fps) for s in ONE_SIDED)
     one_sided = [motions[0][start:end], *read(STRAIGHT)]
+    left, right = (
+        [*_clips("dataset-2_walk_normal", 2), *_clips(f"dataset-2_walk-turn-{side}_normal", 3)]
+        for side in ("left", "right")
+    )
     circle = kx.performer.walk(seconds=16.0, fps=FPS, route="circle").motion
     on_and_round = [kx.performer.walk(seconds=8.0, fps=FPS).motion, circle]
     rows, gains = [], []
@@ -179,6 +194,8 @@ def chirality(motions: Sequence[kx.Motion]) -> list[Table]:
         ("all walks", motions),
         ("turns to the right only", one_sided),
         ("performed, a wide circle to the left only", on_and_round),
+        ("Bandai-Namco, straight on and to the left", left),
+        ("Bandai-Namco, straight on and to the right", right),
     ):
         for bend in (0.0, BEND):
             both = []
@@ -330,4 +347,11 @@ def run() -> list[Table]:
 
 
 if __name__ == "__main__":
-    main(run, parts={"decisions": lambda: [decisions(read(WALKS))] if data_folder() else [], "ready": ready})
+    main(
+        run,
+        parts={
+            "decisions": lambda: [decisions(read(WALKS))] if data_folder() else [],
+            "chirality": lambda: chirality(read(WALKS)) if data_folder() else [],
+            "ready": ready,
+        },
+    )
