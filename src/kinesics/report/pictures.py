@@ -139,6 +139,8 @@ def draw(
 
     if helper is not None:
         helper.draw(analysis, palette, waiting, drawn)
+        # that loads the library, which takes a while: the other process, if it is ready, begins with what takes longest
+        new_figure(1.0, 1.0)
     while waiting or (helper is not None and helper.wait()):
         try:
             sheet = waiting.popleft()
