@@ -42,7 +42,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("recordings")
 
 
-@pytest.mark.parametrize("which", ["performer/5", "performer together/4", "performer together/5", "states/1"])
+@pytest.mark.parametrize("which", ["performer/7", "performer together/4", "performer together/5", "states/1"])
 def test_performed_bodies_are_performed_well(sweep: ModuleType, folder: Path, which: str) -> None:
     """Feet, floor, D, ranges, depth, leaps, provenance; written and read again; the same once more."""
     group, number = which.split("/")
