@@ -104,7 +104,7 @@ class Treading:
                 self.acceleration[k] = 0.0
                 self.shift[k] += dt * self.velocity[k]
             elif self.soles is not None:
-                self.swing(k, known.seconds, 0.85 * self.lean, dt)
+                self.swing(k, known.seconds, 0.8 * self.lean, dt)
             if stands and self.soles is not None:
                 went[k] = dt * self.velocity[k]
             self.stood[k] = stands
@@ -114,7 +114,7 @@ class Treading:
         lift = np.maximum(self.lift, -lowest - SUNK)
         grip = self.hold.sum() + 0.05
         self.lean = self.lean + self.hold @ went / grip
-        self.lean = self.lean + eased(0.1) * (self.hold @ self.shift / grip - self.lean)
+        self.lean = self.lean + eased(0.4) * (self.hold @ self.shift / grip - self.lean)
         targets = positions[list(self.legs.feet)] + np.stack([self.shift[:, 0], lift, self.shift[:, 1]], axis=1)
         leant = np.array([self.lean[0], 0.0, self.lean[1]])
         need = (shortfall(stage, (positions + leant)[None], targets[None])[0] * self.hold).max()

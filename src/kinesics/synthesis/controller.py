@@ -353,9 +353,10 @@ class Controller:
             if at_once is not None:
                 return at_once, 0.0
             weighed = self._weigh()
-            yield
-            if self._pursuits is not wishes:
-                continue
+            if self._intention is not None:
+                yield
+                if self._pursuits is not wishes:
+                    continue
             row = self._row(weighed)
             yield
             if self._pursuits is wishes:

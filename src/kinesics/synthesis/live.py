@@ -16,6 +16,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kinesics.body.motion import Motion
 from kinesics.errors import InputError
 from kinesics.geometry import quaternion, single
 from kinesics.geometry.single import Quaternion, Vector
@@ -23,6 +24,7 @@ from kinesics.synthesis import blending
 from kinesics.synthesis.foresight import Foresight, Stretch
 from kinesics.synthesis.network import Network
 from kinesics.synthesis.rehearsal import Rehearsal
+from kinesics.synthesis.rendering import Performance, Provenance
 from kinesics.synthesis.repertoire import BACKWARD_STRANDS
 from kinesics.synthesis.stage import SPARED, Stage
 from kinesics.synthesis.treading import Treading
@@ -51,6 +53,10 @@ class LiveFrame(NamedTuple):
     """Of all joints relative to their parents, shape (joints, 4)."""
     root: Array
     """Place of the root, metres, shape (3,)."""
+    moment: int
+    """What it plays: see `kinesics.synthesis.repertoire`."""
+    path: int
+    """The path in which it does."""
 
 
 class _Blend(NamedTuple):
@@ -215,7 +221,7 @@ class LiveRenderer:
         if self._at == playing.length:
             self._known.popleft()
             self._at = 0
-        return LiveFrame(rotations, np.array(root))
+        return LiveFrame(rotations, np.array(root), self.moment, self.path)
 
     def _look(self) -> None:
         """Ask for what comes, and get ready for it: one after the other, if there is time."""
@@ -230,17 +236,22 @@ class LiveRenderer:
         if self._chosen is not None:
             if self._crossing is None:
                 self._crossing = self._crossed(self._chosen[0])
-                if self._crossing is not None:
-                    return
-            self._lay(*self._chosen)
-            self._chosen = self._crossing = None
+            else:
+                self._lay(*self._chosen)
+                self._chosen = self._crossing = None
         elif not self._ended and self._reaches - self._frame <= self._ahead:
             try:
                 chosen = next(self._paths)
             except StopIteration:
                 self._ended = True
             else:
-                self._chosen = None if chosen is None else self._checked(chosen)
+                if chosen is None:
+                    return
+                path, bend = self._checked(chosen)
+                if self._goes_on(path):
+                    self._lay(path, bend)
+                else:
+                    self._chosen = path, bend
 
     def _added(self) -> Array | None:
         """What transitions add to joints and root, shape (joints + 1, 3)."""
@@ -303,14 +314,14 @@ class LiveRenderer:
         yaw = float(repertoire.poses.yaw[frames[-1]])
         self.heading = (-yaw if image else yaw) + self._turn
 
-    def _crossed(self, path: int) -> _Crossing | None:
-        """How a path is gone over into, if its recording is another."""
+    def _goes_on(self, path: int) -> bool:
+        """Whether a path is performed without leaving the recording that is played."""
+        return self._last < 0 or int(self.network.first[path]) == int(self.network.onward[self._last])
+
+    def _crossed(self, path: int) -> _Crossing:
+        """How a path of another recording is gone over into."""
         network, repertoire = self.network, self.network.repertoire
-        if self._last < 0:
-            return None
         left, first = int(network.onward[self._last]), int(network.first[path])
-        if first == left:
-            return None
         # how the two meet: as the controller and `kinesics.synthesis.rendering` have it
         edge = int(network.edges(self._last, path))
         place, met = (complex(values[edge]) for values in network.met)
@@ -416,6 +427,65 @@ class LiveRenderer:
             held = np.clip(vectors[beyond], stage.low[beyond], stage.high[beyond])
             rotations[beyond] = blending.add_rotation(stage.middle[beyond], held)
         return rotations
+
+
+def performed(network: Network, frames: Sequence[LiveFrame], *, name: str = "live") -> Performance:
+    """What was performed live, as what is performed at once: to be written, looked at and measured.
+
+    Around a cut frames count as transition for as long as one may take.
+
+    Raises
+    ------
+    InputError
+        If there is no frame.
+    """
+    if not frames:
+        raise InputError("Expected at least one frame that was performed, got none.")
+    repertoire, stage = network.repertoire, Stage.of(network.repertoire)
+    moments, paths = (np.array(values, dtype=np.intp) for values in zip(*(f[2:] for f in frames), strict=True))
+    frame, count = repertoire.frame_of(moments), len(frames)
+    cuts = 1 + np.flatnonzero(repertoire.advance(moments[:-1], 1) != moments[1:])
+    begins = np.concatenate(
+        [[0], 1 + np.flatnonzero((paths[1:] != paths[:-1]) | (moments[1:] == network.first[paths[1:]]))]
+    )
+    step = np.zeros(count, dtype=np.intp)
+    step[begins[1:]] = 1
+    transition, reach = np.zeros(count, dtype=np.bool_), math.ceil(blending.LONGEST * repertoire.fps)
+    for cut in cuts.tolist():
+        transition[max(cut - reach, 0) : cut + reach] = True
+    standing = repertoire.contacts_of(moments)
+    motion = Motion(
+        repertoire.skeleton,
+        np.stack([f.rotations for f in frames]),
+        np.stack([f.root for f in frames]),
+        repertoire.fps,
+        name=name,
+        assumptions=repertoire.assumptions,
+    )
+    came = Provenance(
+        moment=moments,
+        recording=repertoire.recording_of(frame),
+        source_frame=repertoire.source_frames[frame],
+        mirrored=repertoire.is_mirrored(moments),
+        backwards=repertoire.is_backward(moments),
+        step=np.cumsum(step),
+        path=paths,
+        transition=transition,
+        weight=np.ones(count),
+    )
+    zero = np.zeros((count, 2))
+    return Performance(
+        motion,
+        came,
+        tuple(paths[begins].tolist()),
+        cuts,
+        standing,
+        (),
+        stage.soles,
+        np.zeros((count, 2, 3)),
+        np.zeros(count),
+        zero,
+    )
 
 
 def _offset(left: Array, entered: Array) -> Array:

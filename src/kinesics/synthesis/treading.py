@@ -46,7 +46,7 @@ _DEEPEST: Final = 0.009
 """Metres below the floor that nothing goes."""
 _GRASP: Final = 0.03
 """Seconds in which a foot that is on the ground after a cut is grasped."""
-LIVE_LEAN: Final = 0.1
+LIVE_LEAN: Final = 0.4
 """Seconds in which, live, the body comes between its feet by two thirds."""
 _SWING: Final = 0.5
 """Seconds in which a foot comes back to its place that swings for longer, or for nobody knows how long."""
@@ -54,7 +54,7 @@ _EARLY: Final = 0.04
 """Seconds before it comes down that it is over its place: a sole bears a little before it rests."""
 _GENTLY: Final = 25.0
 """m/s² that are added to a swinging foot so that it comes down in its place."""
-_KEPT: Final = 0.85
+_KEPT: Final = 0.8
 """Share of what the body is beside its place that is left a step later."""
 SHORTEST_GAP: Final = 0.13
 """Seconds: no foot is lifted for less."""

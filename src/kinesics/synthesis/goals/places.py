@@ -7,6 +7,7 @@ ever. One that moves is to be met where it will be.
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
@@ -37,6 +38,8 @@ LATE: Final = 0.5
 """How much a metre that could have been walked meanwhile weighs beside a metre from the target, where it is met."""
 FACING: Final = 1.5
 """How much turning towards a target weighs, beside the metres walked while turning so far."""
+_REMEMBERED: Final = 20_000
+"""Paths after something that moves that are told of: an hour of them."""
 _FAN: Final = np.linspace(-1.0, 1.0, BENDS)
 _NOWHERE: Final = np.full((1, 1), np.inf, dtype=np.float32)
 
@@ -278,7 +281,7 @@ class _AfterIt(_Seeking):
     def __init__(self, prospects: Prospects, target: MovingTarget) -> None:
         super().__init__(prospects, target.radius, target.weight)
         self._target = target
-        self._gaps: list[float] = []
+        self._gaps: deque[float] = deque(maxlen=_REMEMBERED)
 
     def _wish(self, now: Situation, times: Floats) -> NDArray[np.complex128]:
         ahead = times.tolist() if self._pace else [0.0]
