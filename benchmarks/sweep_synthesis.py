@@ -67,7 +67,7 @@ MOST_FRAMES: Final = 4000
 """Of all recordings of a case, at its frame rate: what takes longer is performed at 30 frames a second."""
 BRIEF: Final = 0.1
 """Seconds on the ground, more or less, that are no matter."""
-RIGS: Final = ("plain", "no toes", "fingers", "z up", "centimetres", "z up in centimetres", "facing x", "four joints")
+RIGS: Final = ("plain", "no toes", "fingers", "z up", "metres", "z up in millimetres", "facing x", "four joints")
 STATES: Final = ("walk", "run", "side_kicks", "sun_salutation", "kata", "jumping_jacks")
 
 
@@ -282,7 +282,9 @@ def rigged(motion: kx.Motion, rig: str) -> kx.Motion:
         return _turned(motion, quaternion.from_rotvec(np.array([0.0, 0.5 * math.pi, 0.0])))
     if rig.startswith("z up"):
         motion = _turned(motion, quaternion.from_rotvec(np.array([0.5 * math.pi, 0.0, 0.0])))
-    return _scaled(motion, 100.0) if rig.endswith("centimetres") else motion
+    # a BVH is written in centimetres
+    times = {"metres": 0.01, "z up in millimetres": 10.0}
+    return _scaled(motion, times[rig]) if rig in times else motion
 
 
 def _only(motion: kx.Motion, keep: list[int]) -> kx.Motion:
