@@ -161,7 +161,7 @@ def test_joints_stay_in_their_range(made: Network, hold: float) -> None:
 
 
 def test_limbs_do_not_pass_into_each_other(made: Network, paths: list[int]) -> None:
-    """No limb is deeper in another than in the recordings, mirrored counted, and 2 mm."""
+    """No limb is deeper in another than in the recordings, mirrored counted, and 3 mm."""
     done = render(made, paths)
     capsules = Capsules.of(made.repertoire.motion(0))
     motions = [made.repertoire.motion(0, strand) for strand in (0, 1)]

@@ -46,7 +46,7 @@ ROUNDS: Final = 5
 _ARMS: Final = ("left humerus", "left radius", "right humerus", "right radius")
 ASIDE: Final = 5
 """Most times that an arm is moved aside."""
-_SKIN: Final = 0.5 * FLESH
+_SKIN: Final = FLESH / 3.0
 """Metres deeper than in the recordings from which on limbs are moved apart."""
 _LEGS: Final = {"left", "right", "femur", "tibia"}
 STAND: Final = 0.25
@@ -54,7 +54,7 @@ STAND: Final = 0.25
 BACK: Final = 2.0
 """Seconds of walking on in which it turns back by two thirds of what it turned along with them."""
 _LEAST_TURN: Final = np.deg2rad(1.0)
-URGED: Final = 0.02
+URGED: Final = 0.05
 """Metres by which more is asked of the body at most than a foot lacked: smoothness gives back as much."""
 LET_PASS: Final = 0.008
 """Metres that a foot may slide in one contact before it is held for longer."""

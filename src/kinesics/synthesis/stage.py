@@ -53,8 +53,8 @@ SUNK: Final = 0.004
 """Metres below the floor that are let pass: a sole gives way."""
 SINK: Final = 0.15
 """Seconds before and after over which the pelvis gives way where a leg cannot reach."""
-FLESH: Final = 0.002
-"""Metres that limbs may press deeper into each other than they do in the recordings: a tenth of what flesh gives way by
+FLESH: Final = 0.003
+"""Metres that limbs may press deeper into each other than they do in the recordings: a seventh of what flesh gives way by
 (`kinesics.body.limits.DEPTH_TOLERANCE`)."""
 
 
