@@ -11,11 +11,12 @@ Speed: a live step is one frame of `LiveRenderer`, of a calm stroll; and, decidi
 are asked for (a target far away, nothing twice lately, few transitions), the time of the decision counted into the frame that
 waits for it.
 
-    python benchmarks/bench_synthesis_quality.py [--json FILE] [--only speed]
+    python benchmarks/bench_synthesis_quality.py [--json FILE] [--only speed|live]
 """
 
 from __future__ import annotations
 
+import itertools
 import statistics
 import tempfile
 import time
@@ -32,7 +33,7 @@ from harness import Table, data_folder, main
 from kinesics.body.motion import Motion
 from kinesics.synthesis.controller import Controller, perform_paths
 from kinesics.synthesis.goals import Economy, Novelty, Route, Target
-from kinesics.synthesis.live import LiveRenderer
+from kinesics.synthesis.live import LiveRenderer, performed
 from kinesics.synthesis.network import Network, network
 from kinesics.synthesis.prospects import Prospects, prospects, trails
 from kinesics.synthesis.quality import Quality, measure
@@ -73,6 +74,23 @@ _FAR = (9_000.0, 0.0)
 """Metres: a target that is never come to."""
 _SECONDS = 30.0
 _SQUARE = ((0.0, 0.0), (0.0, 3.0), (3.0, 3.0), (3.0, 0.0), (0.0, 0.0))
+_COLUMNS = [
+    "recordings",
+    "manner",
+    "cuts a second",
+    "leaps of angular velocity beyond p99",
+    "added, share of p99",
+    "accelerations beyond p99",
+    "added, share of p99",
+    "slide of a contact, cm: p95 (recordings)",
+    "slides > 1 cm (recordings)",
+    "time on the ground",
+    "touches not played",
+    "below the floor, cm",
+    "D to nearest, worst (accepted)",
+    "beyond joint range: frames > 1° (the tolerance), worst",
+    "limbs deeper than recorded: frames > 1 cm, worst cm",
+]
 _GOES_ABOUT = 0.3
 """Metres a second, below which recordings stay in place."""
 
@@ -168,23 +186,7 @@ def run() -> list[Table]:
     return [
         Table(
             "Performances beside their recordings (in brackets: the recordings, at the same moments where it applies)",
-            [
-                "recordings",
-                "manner",
-                "cuts a second",
-                "leaps of angular velocity beyond p99",
-                "added, share of p99",
-                "accelerations beyond p99",
-                "added, share of p99",
-                "slide of a contact, cm: p95 (recordings)",
-                "slides > 1 cm (recordings)",
-                "time on the ground",
-                "touches not played",
-                "below the floor, cm",
-                "D to nearest, worst (accepted)",
-                "beyond joint range: frames > 1° (the tolerance), worst",
-                "limbs deeper than recorded: frames > 1 cm, worst cm",
-            ],
+            _COLUMNS,
             rows,
             [
                 "p99 is the 99th percentile of the recordings, joint by joint. Beyond p99: share of all joints and frames of "
@@ -268,5 +270,23 @@ def _live(live: LiveRenderer) -> list[str]:
     return [f"{statistics.median(steps):.2f}", f"{np.quantile(steps, 0.99):.2f}"]
 
 
+def live() -> list[Table]:
+    """How good what is performed live is: calm, and by decisions towards a target far away, without repeating itself."""
+    rows = []
+    for name, made in _networks():
+        if not isinstance(made, Network):
+            continue
+        count = round(_SECONDS * made.repertoire.fps)
+        goals = [Target(_FAR), Novelty(0.1), Economy(0.1)]
+        for manner, paths in (
+            ("calm", iter(stroll(made, _PATHS, 1, hold=0.5))),
+            ("deciding", Controller(made, goals, seed=1).choices()),
+        ):
+            frames = list(itertools.islice(LiveRenderer(made, paths), count))
+            found = measure(performed(made, frames), made.repertoire, threshold=made.threshold)
+            rows.append([name, manner, *_cells([found], count / made.repertoire.fps)])
+    return [Table("Performed live, beside their recordings", _COLUMNS, rows)]
+
+
 if __name__ == "__main__":
-    main(run, parts={"speed": speed})
+    main(run, parts={"speed": speed, "live": live})
