@@ -177,7 +177,7 @@ def test_provenance_names_the_source(made: Network, paths: list[int]) -> None:
     assert np.array_equal(came.path, np.repeat(paths, made.length[paths]))
     assert np.array_equal(came.source_frame, own.source_frames[own.frame_of(came.moment)])
     assert np.array_equal(came.mirrored, own.is_mirrored(came.moment))
-    assert 0.4 <= came.weight.min() <= 0.7
+    assert 0.1 <= came.weight.min() <= 0.7
     assert came.transition[came.weight < 1.0].all()
     away = ~came.transition
     source = own.rotations_of(came.moment[away])
@@ -236,8 +236,9 @@ def test_live_asks_for_a_path_only_when_it_needs_one(made: Network, paths: list[
     live = LiveRenderer(made, choose(), ahead=0.5)
     for frame in range(int(made.length[paths[:6]].sum())):
         live.step()
-        # getting ready takes a frame or two for each path
-        assert made.length[asked].sum() >= min(frame + 0.3 * made.repertoire.fps, made.length[paths].sum())
+        # getting ready takes a frame or two for each path, and paths may be as short as a tenth of a second
+        known = 0.3 * made.repertoire.fps if frame >= 0.5 * made.repertoire.fps else 2
+        assert made.length[asked].sum() >= min(frame + known, made.length[paths].sum())
         assert made.length[asked[:-1]].sum() <= frame + 0.5 * made.repertoire.fps + 1
 
 

@@ -40,7 +40,7 @@ FOOT_SECONDS: Final = 0.14
 """Within which it is counted."""
 PLACE: Final = 0.7
 """Difference between the places of the feet, as a share of what nine tenths of all moments change within a blend."""
-BEARING: Final = 0.5
+BEARING: Final = 0.3
 """The same of a foot that bears, as a share of that."""
 FOOT_VELOCITY: Final = 0.5
 """Difference between their velocities, likewise."""

@@ -8,6 +8,8 @@ while one does, and alone decide in flight. What the pelvis is then off is blend
 
 from __future__ import annotations
 
+import dataclasses
+import itertools
 import weakref
 from typing import Final, NamedTuple
 
@@ -16,8 +18,9 @@ from numpy.typing import NDArray
 
 from kinesics.body import contacts as _contacts
 from kinesics.body import kinematics
-from kinesics.body.contacts import Floor, Soles
+from kinesics.body.contacts import Contacts, Floor, Soles
 from kinesics.body.motion import Motion
+from kinesics.geometry import quaternion
 from kinesics.synthesis.repertoire import Repertoire
 
 Array = NDArray[np.float64]
@@ -51,8 +54,31 @@ def soles_of(repertoire: Repertoire) -> Soles:
     """The soles of the performing body, found once in all recordings together and kept as long as the repertoire is."""
     if repertoire not in _soles:
         whole = Motion(repertoire.skeleton, repertoire.rotations[0], repertoire.root_positions[0], repertoire.fps)
-        _soles[repertoire] = _contacts.soles(whole, ground=Floor(0.0))
+        _soles[repertoire] = _on_the_floor(_contacts.contacts(whole, ground=Floor(0.0)), whole)
     return _soles[repertoire]
+
+
+def same_soles(body: Repertoire, other: Repertoire) -> None:
+    """Say that the body of a repertoire has the soles of that of another."""
+    _soles[body] = soles_of(other)
+
+
+def _on_the_floor(found: Contacts, motion: Motion) -> Soles:
+    """The soles, each point where it lies on the floor as it usually bears.
+
+    They were found as feet stood flat, or from the skeleton where none does; a heel taken for a corner, which is round, then
+    dips below the floor as it comes down, and legs would have to be bent to lift what never was that low.
+    """
+    level = 0.5 * (found.levels + found.levels[::-1])
+    offsets = found.soles.offsets.copy()
+    rotations = motion.global_rotations()
+    for foot, point in itertools.product((0, 1), range(offsets.shape[1])):
+        bears = found.points[:, foot, point]
+        if bears.any():
+            carrier = rotations[bears, found.soles.joints[foot, point]]
+            up = quaternion.rotate(quaternion.conjugate(carrier), np.array([0.0, 1.0, 0.0])).mean(axis=0)
+            offsets[foot, point] -= level[foot, point] * up / np.linalg.norm(up)
+    return dataclasses.replace(found.soles, offsets=offsets)
 
 
 def soles_beneath(repertoire: Repertoire, moments: Indices) -> Array:

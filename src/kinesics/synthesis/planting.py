@@ -41,7 +41,7 @@ Indices = NDArray[np.intp]
 
 GRIP: Final = 0.03
 """Seconds in which a foot that comes down is held more and more firmly; in reverse as it is lifted."""
-ROUNDS: Final = 5
+ROUNDS: Final = 6
 """Most times that feet are planted, joints put back that were bent too far, and planted again as far as these go."""
 _ARMS: Final = ("left humerus", "left radius", "right humerus", "right radius")
 ASIDE: Final = 5
@@ -56,10 +56,10 @@ BACK: Final = 2.0
 _LEAST_TURN: Final = np.deg2rad(1.0)
 URGED: Final = 0.05
 """Metres by which more is asked of the body at most than a foot lacked: smoothness gives back as much."""
+OVER: Final = 2.0
+"""By so much more than it still lacks: in as many rounds again as it has got, it would go half of the way."""
 LET_PASS: Final = 0.008
 """Metres that a foot may slide in one contact before it is held for longer."""
-_WAYS: Final = np.stack([np.cos(np.arange(8) * np.pi / 8.0), np.sin(np.arange(8) * np.pi / 8.0)])
-"""Directions over the floor in which it is measured."""
 _SHORT: Final = 0.0003
 """Metres by which a foot is off where it was planted before the body goes along."""
 _STEP: Final = 0.001
@@ -149,6 +149,7 @@ def pin(
     *,
     adrift: float = footing.ADRIFT,
     urged: float = URGED,
+    rounds: int = ROUNDS,
 ) -> Footed:
     """Plant the feet that bear.
 
@@ -157,6 +158,7 @@ def pin(
     rotations, roots, standing : shapes (frames, joints, 4), (frames, 3) and (frames, 2).
     adrift : as of `kinesics.synthesis.footing.footing`.
     urged : metres by which more may be asked of the body than a foot lacked, as one round after the other it goes not as far.
+    rounds : of planting and putting joints back, at most.
     """
     skeleton = stage.repertoire.skeleton
     held = np.stack([held_around(standing[:, k], RELEASE * stage.repertoire.fps) for k in (0, 1)], axis=-1)
@@ -174,12 +176,12 @@ def pin(
     bounds = way, least = Bounds.none(len(rotations))
     more = np.zeros_like(least)
     gripped = standing
-    for attempt in range(ROUNDS):
+    for attempt in range(rounds):
         done = _planted(stage, given, roots, standing, gripped, held, stiff, bounds, adrift)
         within = done.rotations.copy()
         put_within_range(stage, within, joints)
         put_back = _lower(stage, within, done.roots)
-        if attempt == ROUNDS - 1:
+        if attempt == rounds - 1:
             break
         planted = _lower(stage, done.rotations, done.roots)
         push = _apart(stage, put_back)
@@ -203,7 +205,7 @@ def pin(
         bound = far > _SHORT
         towards = back / np.maximum(far, 1e-9)[..., None]
         along = np.maximum(np.einsum("fki,fki->fk", way, towards), 0.0)
-        more = np.where(bound, np.minimum(along * more + far, urged), more)
+        more = np.where(bound, np.minimum(along * more + OVER * far, urged), more)
         way[bound] = towards[bound]
         limit = planted.positions[:, feet] - done.roots[:, None] - recorded + back
         least[bound] = np.einsum("ni,ni->n", way[bound], limit[bound]) + more[bound]
@@ -267,9 +269,17 @@ def _slipping(stage: Stage, known: Kinematics, gripped: Mask) -> Mask:
     out = np.zeros_like(gripped)
     for k in (0, 1):
         for a, b in contacts.runs(found.feet[:, k]):
-            if np.ptp(way[a:b, k] @ _WAYS, axis=0).max() > LET_PASS:
+            if _spread(way[a:b, k]) > LET_PASS:
                 out[a:b, k] = ~gripped[a:b, k]
     return out
+
+
+def _spread(way: Array) -> float:
+    """How far apart the places of a way over the floor are at most, metres: shape (frames, 2). However the way is turned."""
+    x, z = (way - way.mean(axis=0)).T
+    along = 0.5 * np.arctan2(2.0 * (x @ z), x @ x - z @ z)
+    directions = along + np.arange(8) * np.pi / 8.0
+    return float(np.ptp(np.outer(x, np.cos(directions)) + np.outer(z, np.sin(directions)), axis=0).max())
 
 
 def _apart(stage: Stage, known: Kinematics) -> Array:

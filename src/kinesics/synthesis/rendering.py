@@ -1,7 +1,8 @@
 """A list of paths performed: one movement without seams, its feet on the ground ([Schultz2012] §4.4).
 
-1. Paths are laid end to end: each is turned about the vertical and shifted over the floor so that its bearing feet stand where
-   those stood with which the path before would have gone on (`kinesics.synthesis.meeting`).
+1. Paths are laid end to end, from recordings whose feet were planted (`kinesics.synthesis.rehearsal`): each is turned about
+   the vertical and shifted over the floor so that its bearing feet stand where those stood with which the path before would
+   have gone on (`kinesics.synthesis.meeting`).
 2. At every cut the offset of pose and place is taken away over a short time (`kinesics.synthesis.blending`), over a
    time that accelerates nothing more than the recordings do.
 3. Feet that bear stay where they are (after Kovar, Schreiner & Gleicher 2002). Their data tell which part of the sole bears:
@@ -33,8 +34,10 @@ from kinesics.errors import InputError
 from kinesics.geometry import quaternion
 from kinesics.similarity import paired_distance
 from kinesics.synthesis import blending
+from kinesics.synthesis.meeting import meetings
 from kinesics.synthesis.network import Network
 from kinesics.synthesis.planting import YIELD, Footed, envelope, pin, put_arms_clear, put_joint, put_within_range
+from kinesics.synthesis.rehearsal import played
 from kinesics.synthesis.repertoire import Repertoire
 from kinesics.synthesis.stage import SPARED, Stage, bearing, seams, turn_bodies
 
@@ -150,7 +153,7 @@ def render(
     if origin.shape != (2,) or not np.isfinite(origin).all() or not np.isfinite(heading):
         raise InputError(f"Expected `start` as finite x, z and a finite `heading`, got {start!r} and {heading!r}.")
     stage = Stage.of(network.repertoire)
-    laid = _lay(stage, network, chosen, origin, float(heading), extra)
+    laid = _lay(stage, network, chosen, origin, float(heading), extra, planted=pinned)
     blended = _blend(stage, laid, _NEAR * network.threshold)
     rotations, roots = blended.rotations, blended.roots
     if len(laid.cuts):
@@ -228,8 +231,10 @@ class _Laid:
     fps: float
 
 
-def _lay(stage: Stage, network: Network, chosen: Indices, origin: Array, heading: float, extra: Array) -> _Laid:
-    repertoire, carrier = stage.repertoire, stage.carrier
+def _lay(
+    stage: Stage, network: Network, chosen: Indices, origin: Array, heading: float, extra: Array, *, planted: bool
+) -> _Laid:
+    repertoire, carrier = played(stage) if planted else stage.repertoire, stage.carrier
     fps = repertoire.fps
     lengths = network.length[chosen]
     ends = np.cumsum(lengths)
@@ -240,7 +245,7 @@ def _lay(stage: Stage, network: Network, chosen: Indices, origin: Array, heading
     moments = repertoire.advance(network.first[chosen][step], within)
     first, onward = network.first[chosen], network.onward[chosen]
     # the heading: the first moment of a path faces where the one before would have faced, but for how the two meet
-    met_place, met_turn = (values[network.edges(chosen[:-1], chosen[1:])] for values in network.met)
+    met_place, met_turn = _met(network, repertoire, chosen)
     face_first, face_onward = repertoire.yaw_of(first), repertoire.yaw_of(onward)
     turn = heading - face_first[0] + np.concatenate([[0.0], np.cumsum(face_onward[:-1] + met_turn - face_first[1:])])
     bent = np.concatenate([[0.0], np.cumsum(extra)])
@@ -279,6 +284,17 @@ def _lay(stage: Stage, network: Network, chosen: Indices, origin: Array, heading
         )
     room = np.stack([cuts, frames - cuts], axis=-1) / fps
     return _Laid(moments, step, chosen[step], cuts, rotations, roots, offsets, velocities, room, fps)
+
+
+def _met(network: Network, played: Repertoire, chosen: Indices) -> tuple[NDArray[np.complex128], Array]:
+    """How each path meets the one before, with its feet where they are played; as `Network.met`, shape (paths − 1,) each."""
+    edges = network.edges(chosen[:-1], chosen[1:])
+    place, turn = network.met[0][edges], network.met[1][edges]
+    jumps = np.flatnonzero(network.first[chosen[1:]] != network.onward[chosen[:-1]])
+    if network.meeting is not None and played is not network.repertoire and len(jumps):
+        met = meetings(played, network.onward[chosen[jumps]], network.first[chosen[jumps + 1]])
+        place[jumps], turn[jumps] = met.place[:, 1] + 1j * met.place[:, 0], met.turn
+    return place, turn
 
 
 # --- without seams

@@ -49,7 +49,7 @@ LIFT: Final = 0.05
 """Seconds before and after a contact over which the sole comes down to the floor."""
 SOFTLY: Final = 0.05
 """Seconds before and after over which the height of a foot is corrected: less than a step, more than a marker's tremble."""
-SUNK: Final = 0.004
+SUNK: Final = 0.007
 """Metres below the floor that are let pass: a sole gives way."""
 SINK: Final = 0.15
 """Seconds before and after over which the pelvis gives way where a leg cannot reach."""

@@ -14,7 +14,7 @@ Seams, the places between frames, and the relations between them are told in `ki
 - the feet: none that stands where the other swings, unless it changes at the seam;
 - where ankles and toes are beneath the body, seen from the heading: D is in angles and does not tell strides of unlike length, but
   a foot that stays where it bears must make up for the difference with its leg. By no more than `PLACE` of what all moving
-  moments change within the time of a blend, 15 to 20 cm, a bearing foot by half as much;
+  moments change within the time of a blend, 15 to 20 cm, a bearing foot by a third as much;
 - and how fast they go there: by no more than `FOOT_VELOCITY` of what changes within that time.
 
 The thresholds are found in the recordings (`kinesics.synthesis.limits`).
