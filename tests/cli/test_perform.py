@@ -339,7 +339,7 @@ def test_where_much_is_left_out_it_is_said_what_and_why(kinesics: Kinesics, circ
     got = kinesics("perform", circle, "jacks.bvh", "squats.bvh", "--out", "new.bvh", "--seconds", "1")
     assert got.code == 0, got.err
     told = " ".join(got.out.split())
-    assert "circle, as recorded and mirrored: 8.00 s, no transition leads there and back again" in told
+    assert "jacks, as recorded and mirrored: 7.00 s, no transition leads there and back again" in told
     assert "no larger --threshold joins" in told
     alone = kinesics("perform", circle, "--out", "alone.bvh", "--seconds", "1")
     assert "--threshold" not in " ".join(alone.out.split())
