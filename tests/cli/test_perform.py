@@ -15,6 +15,7 @@ import pytest
 import kinesics as kx
 from kinesics.cli import terminal
 from kinesics.report.performances import performance_schema
+from kinesics.synthesis import checking
 
 from .conftest import Kinesics
 
@@ -330,6 +331,20 @@ def test_what_was_left_out_and_missed_is_said(kinesics: Kinesics, circle: Path, 
     assert "resampled to 30 frames a second: jacks.bvh" in got.out
     assert "target 30 m to the right, 2 m behind" in got.out
     assert "did not reach (-30.00, -2.00)" in got.out
+
+
+def test_a_check_that_fails_is_seen(kinesics: Kinesics, circle: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In the line of what was checked, among what is doubtful, and nowhere where all is as it should be."""
+    slid = checking.Slid("right", 30, 45, 0.031)
+    failed = checking.Check(12, 1, 0.031, 0.004, 0.0, 0.001, 0.003, 0.01, (slid,))
+    monkeypatch.setattr(checking, "check", lambda *_: failed)
+    told = " ".join(kinesics("perform", circle, "--out", "new.bvh", "--seconds", "3").out.split())
+    assert "checked, and not all is as it should be: 1 of 12 contacts slides more than 1 cm" in told
+    assert "doubtful: feet slide more than 1 cm in 1 of 12 contacts, the right one by 3.1 cm from 1.0 to 1.5 s" in told
+    monkeypatch.setattr(checking, "check", lambda *_: failed._replace(slides=0, slide=0.005, slid=()))
+    told = " ".join(kinesics("perform", circle, "--out", "sound.bvh", "--seconds", "3").out.split())
+    assert "checked: feet slide 0.5 cm at most" in told
+    assert "doubtful" not in told
 
 
 def test_where_much_is_left_out_it_is_said_what_and_why(kinesics: Kinesics, circle: Path, tmp_path: Path) -> None:

@@ -350,7 +350,8 @@ def _summarize(piece: Piece) -> None:
         f"  {piece.mirrored_share:.0%} of it mirrored"
         + (f", {piece.backwards_share:.0%} backwards" if piece.parameters["backwards"] else "")
     )
-    console.print(f"  checked: {terminal.escape(piece.check.sentence)}")
+    checked = "checked:" if piece.check.holds else "[yellow]checked, and not all is as it should be:[/yellow]"
+    console.print(f"  {checked} {terminal.escape(piece.check.sentence)}")
     times = motion.duration / piece.network.seconds
     if not piece.outcome:
         console.print(

@@ -35,6 +35,18 @@ ROUNDING: Final = 1e-6
 _BLOCK: Final = 512
 
 
+class Slid(NamedTuple):
+    """A contact in which a foot slides more than it may."""
+
+    foot: str
+    """left or right."""
+    start: int
+    """Frames [start, end) of the performance."""
+    end: int
+    slide: float
+    """Metres."""
+
+
 class Check(NamedTuple):
     """The worst of a performance, each beside what it may be."""
 
@@ -54,6 +66,8 @@ class Check(NamedTuple):
     """D of a frame to the nearest of the recordings is nowhere more than that."""
     accepted: float
     """The largest D accepted at a transition."""
+    slid: tuple[Slid, ...] = ()
+    """The contacts that slide more than `SLIDE`, in the order in which they begin."""
 
     @property
     def holds(self) -> bool:
@@ -73,7 +87,10 @@ class Check(NamedTuple):
     @property
     def sentence(self) -> str:
         """All of it in one line."""
-        slid = f"{self.slides} of {self.contacts} contacts slide more than {100 * SLIDE:g} cm, " if self.slides else ""
+        slide = "slides" if self.slides == 1 else "slide"
+        slid = (
+            f"{self.slides} of {self.contacts} contacts {slide} more than {100 * SLIDE:g} cm, " if self.slides else ""
+        )
         beyond = 0.0 if self.beyond_range <= ROUNDING else np.rad2deg(self.beyond_range)
         return (
             f"{slid}feet slide {100 * self.slide:.1f} cm at most, {100 * self.below_floor:.1f} cm below the floor; joints "
@@ -93,6 +110,7 @@ class Check(NamedTuple):
             "deeper_m": round(self.deeper, 6),
             "distance": round(self.distance, 6),
             "accepted": self.accepted,
+            "slid": [{"foot": s.foot, "start": s.start, "end": s.end, "slide_m": round(s.slide, 6)} for s in self.slid],
         }
 
 
@@ -103,23 +121,23 @@ def check(done: Performance, network: Network) -> Check:
     known = kinematics.forward(motion.skeleton, motion.rotations, motion.root_positions)
     places = stage.soles.place(known.positions, known.rotations)
     found = _contacts.touching(places, places[..., 1], motion.fps, stage.stature, stage.slow)
-    slides = np.array(
-        [
-            slide(places[a:b, k], places[a:b, k, :, 1] - stage.levels[k])
-            for k in (0, 1)
-            for a, b in runs(found.feet[:, k])
-        ]
-    )
+    feet = [
+        Slid(side, a, b, slide(places[a:b, k], places[a:b, k, :, 1] - stage.levels[k]))
+        for k, side in enumerate(("left", "right"))
+        for a, b in runs(found.feet[:, k])
+    ]
+    slid = sorted((foot for foot in feet if foot.slide > SLIDE), key=lambda foot: (foot.start, foot.foot))
     deep = stage.capsules.depths(*known) - stage.deepest
     return Check(
-        len(slides),
-        int(np.sum(slides > SLIDE)),
-        float(slides.max(initial=0.0)),
+        len(feet),
+        len(slid),
+        max((foot.slide for foot in feet), default=0.0),
         float(max(0.0, -places[..., 1].min())),
         float(beyond(motion, stage).max(initial=0.0)),
         float(deep.max(initial=0.0)),
         _farthest(_poses(motion), repertoire, done, network.threshold),
         network.threshold,
+        tuple(slid),
     )
 
 

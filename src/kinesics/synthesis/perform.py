@@ -7,11 +7,10 @@ check it: which frames of which recording, mirrored or not, over which transitio
 from __future__ import annotations
 
 import dataclasses
-import math
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,38 +18,24 @@ from numpy.typing import ArrayLike, NDArray
 from kinesics.body import anatomy
 from kinesics.body.motion import Motion
 from kinesics.body.skeleton import Skeleton
-from kinesics.errors import InputError, SkeletonError, some_of
+from kinesics.errors import InputError, SkeletonError
 from kinesics.progress import Progress, silent
-from kinesics.synthesis import goals, labels
+from kinesics.synthesis import checking, goals, labels
 from kinesics.synthesis import network as networks
 from kinesics.synthesis.attempts import Attempt, best_attempt, performed
 from kinesics.synthesis.controller import BEND, BETA, LONGEST
+from kinesics.synthesis.doubts import doubts
 from kinesics.synthesis.network import Network
 from kinesics.synthesis.piece import Piece, SourceFacts
-from kinesics.synthesis.prospects import Prospects, prospects
+from kinesics.synthesis.prospects import prospects
 from kinesics.synthesis.repertoire import repertoire
-from kinesics.synthesis.wish import SPARE, Grammar, Wish, check_names, favoured, names_recordings
+from kinesics.synthesis.wish import HARDLY, Grammar, Wish, check_names, favoured, names_recordings
 
 if TYPE_CHECKING:
     from kinesics.grammar.edits import Edits
     from kinesics.synthesis.goals import Feature, Goal
 
 Array = NDArray[np.float64]
-
-SECONDS: Final = 20.0
-"""How long is performed if neither a goal nor a time is given, and at least to be had for a goal."""
-MOST_SECONDS: Final = 600.0
-"""How long a goal is sought at most if no time is given."""
-DETOUR: Final = 3.0
-"""Times the straight way that is allowed for a goal if no time is given."""
-SETTLING: Final = 10.0
-"""Seconds allowed besides, to turn round and to come to a stand."""
-REPEATED: Final = 5.0
-"""Times that every moment comes, from which it is said that there is little to choose from."""
-STAYING: Final = 0.05
-"""Metres a second: recordings that never get about faster stay in place."""
-HARDLY: Final = 0.25
-"""Metres a second, below which a way is found by chance."""
 
 
 def perform(
@@ -197,7 +182,7 @@ def performance(
     start = _start(net, wish, seed)
     progress(0.6, "looking ahead")
     ahead = prospects(net)
-    most = _most_seconds(wish, ahead, seconds)
+    most = wish.most_seconds(ahead, seconds)
     best = best_attempt(
         net,
         wish,
@@ -208,8 +193,8 @@ def performance(
         bend=bend,
         start=start,
         ahead=ahead,
-        again=wish.may_try_again(most, _fastest(ahead)),
-        more_time=seconds is None and _pace(ahead) >= HARDLY,
+        again=wish.may_try_again(most, ahead.fastest),
+        more_time=seconds is None and ahead.pace >= HARDLY,
         progress=lambda share: progress(0.75 + 0.1 * share, "choosing the way"),
     )
     progress(0.85, "performing")
@@ -236,18 +221,21 @@ def performance(
         )
         for m, name in zip(given, stock.names, strict=True)
     )
-    progress(1.0, "performed")
+    progress(0.9, "checking what was performed")
+    done = dataclasses.replace(done, motion=motion)
     piece = Piece(
-        dataclasses.replace(done, motion=motion),
+        done,
         best.course,
         net,
         facts,
+        checking.check(done, net),
         parameters,
         wish.places,
         wish.radius or goals.RADIUS,
     )
-    motion = motion.replace(warnings=stock.warnings + _doubts(piece, wish, ahead, most, seconds))
-    return dataclasses.replace(piece, performance=dataclasses.replace(done, motion=motion))
+    told = stock.warnings + doubts(piece, wish, ahead, most, seconds)
+    progress(1.0, "performed")
+    return dataclasses.replace(piece, performance=dataclasses.replace(done, motion=motion.replace(warnings=told)))
 
 
 def _given(
@@ -340,32 +328,6 @@ def _start(net: Network, wish: Wish, seed: int) -> int | None:
     return int(np.random.default_rng(seed).choice(begins))
 
 
-def _pace(ahead: Prospects) -> float:
-    """Metres a second in a straight line, as most of the paths allow."""
-    return ahead.reach / ahead.lookahead
-
-
-def _fastest(ahead: Prospects) -> float:
-    """Metres a second in a straight line, which nothing in the recordings exceeds for long."""
-    return ahead.farthest / ahead.lookahead
-
-
-def _most_seconds(wish: Wish, ahead: Prospects, seconds: float | None) -> float:
-    pace = _pace(ahead)
-    away = wish.metres - wish.radius
-    if away > 0.0 and pace < STAYING:
-        raise InputError(
-            f"These recordings stay in place (at most {pace:.2g} metres a second in a straight line): no "
-            f"{'target' if wish.places else 'route'} can be reached with them. Give recordings that go about, "
-            "or perform without a place to go to."
-        )
-    if seconds is not None:
-        return float(seconds)
-    if away <= 0.0:
-        return MOST_SECONDS if wish.to_state is not None else SECONDS
-    return min(MOST_SECONDS, max(SECONDS, SETTLING + DETOUR * wish.metres / pace))
-
-
 def _chosen(net: Network, parameters: Mapping[str, Any], best: Attempt) -> tuple[str, ...]:
     from kinesics import __version__
 
@@ -377,62 +339,3 @@ def _chosen(net: Network, parameters: Mapping[str, Any], best: Attempt) -> tuple
         + ("" if best.via is None else f", by way of ({best.via.place[0]:.1f}, {best.via.place[1]:.1f}) to turn there")
         + f", by kinesics {__version__}",
     )
-
-
-def _hopeless(piece: Piece, wish: Wish, ahead: Prospects) -> bool:
-    """Whether no way to the target was found from where the performer began."""
-    assert wish.target is not None
-    x, z = wish.target.position
-    bend = math.radians(piece.parameters["bend_used"])
-    tables = ahead.to_go(wish.radius - SPARE, bend)
-    return tables.hopeless(int(piece.course.paths[0]), complex(z, x))
-
-
-def _doubts(piece: Piece, wish: Wish, ahead: Prospects, most: float, seconds: float | None) -> tuple[str, ...]:
-    """What did not go as wished, and what helps."""
-    out = []
-    none_of = list(dict.fromkeys(p.recording for p in piece.pruned if p.everything))
-    if none_of:
-        out.append(
-            f"nothing is performed of {some_of(none_of, 8)}: no transition leads there and back again; longer "
-            "recordings, or others nearer in pose, speed and footing, would join it"
-        )
-    repeated = piece.motion.duration / piece.network.seconds
-    if not wish.ends and repeated >= REPEATED:
-        out.append(
-            f"every moment comes about {repeated:.0f} times: only {piece.network.seconds:.1f} s can be performed"
-            f"{', mirror images counted' if piece.parameters['mirrored'] else ''}; give longer recordings, or more that are like "
-            "one another"
-        )
-    if wish.attainable and not piece.attained:
-        told = "; ".join(piece.outcome) or "the goal was not attained"
-        fastest, pace = _fastest(ahead), _pace(ahead)
-        if piece.course.attained and wish.places:
-            advice = (
-                ": the way that was chosen leads there, but keeping the feet in place takes the body beside it; give another seed "
-                "or a lower `fps` (--fps), or recordings whose feet slide less"
-            )
-        elif wish.least_metres > most * fastest:
-            advice = (
-                f": {wish.least_metres:.1f} m at {fastest:.2f} m/s, the fastest there is, take longer than {most:g} s; "
-                "give more seconds"
-            )
-        elif wish.target is not None and _hopeless(piece, wish, ahead):
-            advice = (
-                ": no way there was found with these recordings; give recordings that turn more, another seed, or allow "
-                "more `bend` (--bend)"
-            )
-        elif wish.places or wish.route is not None:
-            advice = ": give more seconds, another seed, or recordings that turn more"
-            if seconds is None and most < MOST_SECONDS:
-                advice = ": give another seed, or recordings that turn more"
-            elif seconds is None:
-                advice = (
-                    f": {most:g} s are given where nothing is said; give more `seconds` (--seconds), or another seed"
-                )
-            if pace < HARDLY:
-                advice += f"; these hardly get about ({pace:.2f} metres a second in a straight line)"
-        else:
-            advice = ": give more seconds"
-        out.append(told + advice)
-    return tuple(out)

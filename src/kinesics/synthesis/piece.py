@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.body.motion import Motion
-from kinesics.synthesis import checking
 from kinesics.synthesis.checking import Check
 from kinesics.synthesis.controller import Course
 from kinesics.synthesis.goals import RADIUS
@@ -84,6 +83,8 @@ class Piece:
     network: Network
     """What was to choose from."""
     sources: tuple[SourceFacts, ...]
+    check: Check
+    """Slides, floor, ranges, depths and D, measured on the movement as performed."""
     parameters: Mapping[str, Any]
     """Everything that, with the recordings, makes this very movement: plain values."""
     places: tuple[tuple[float, float], ...] = ()
@@ -135,11 +136,6 @@ class Piece:
     def visits(self) -> list[int]:
         """Frames at which the places were reached, one after the other, as many as were."""
         return visits(self.trail, self.places, self.radius)
-
-    @cached_property
-    def check(self) -> Check:
-        """Slides, floor, ranges, depths and D, measured on the movement as performed."""
-        return checking.check(self.performance, self.network)
 
     @property
     def pruned(self) -> tuple[Pruned, ...]:

@@ -124,6 +124,16 @@ class Prospects:
         """Metres: no composite leads farther while it is looked at."""
         return float(np.abs(self.trail.places).max())
 
+    @property
+    def pace(self) -> float:
+        """Metres a second in a straight line, as most of the paths allow."""
+        return self.reach / self.lookahead
+
+    @property
+    def fastest(self) -> float:
+        """Metres a second in a straight line, which nothing in the recordings exceeds for long."""
+        return self.farthest / self.lookahead
+
     @cached_property
     def widest(self) -> float:
         """Metres by which a composite is moved at most, if it is bent by 1 radian a metre."""

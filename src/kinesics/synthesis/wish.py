@@ -21,6 +21,7 @@ from kinesics.synthesis.goals.naming import unusable, with_word
 from kinesics.synthesis.goals.pursuit import listed
 from kinesics.synthesis.network import Network
 from kinesics.synthesis.piece import ASIDE, aside_of, visits
+from kinesics.synthesis.prospects import Prospects
 from kinesics.vocabulary import MovementClass
 
 if TYPE_CHECKING:
@@ -31,6 +32,18 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+SECONDS: Final = 20.0
+"""How long is performed if neither a goal nor a time is given, and at least to be had for a goal."""
+MOST_SECONDS: Final = 600.0
+"""How long a goal is sought at most if no time is given."""
+DETOUR: Final = 3.0
+"""Times the straight way that is allowed for a goal if no time is given."""
+SETTLING: Final = 10.0
+"""Seconds allowed besides, to turn round and to come to a stand."""
+STAYING: Final = 0.05
+"""Metres a second: recordings that never get about faster stay in place."""
+HARDLY: Final = 0.25
+"""Metres a second, below which a way is found by chance."""
 SPARE: Final = 0.12
 """Metres by which the way is led nearer to a target than it has to be: where feet are kept in place the body may come to stand a
 little beside it."""
@@ -46,6 +59,9 @@ SPARING: Final = 0.05
 """The same beside a target: a seventh of the transitions is saved, and the target reached as soon within a fiftieth of the time."""
 SPARING_ALONG: Final = 0.02
 """The same beside a route: nearly a third is saved, and the line kept to as well."""
+ONWARDS: Final = 1.0
+"""Weight of not coming back at once to what was just played, whatever is wished for: three times a loop of a third of a second
+weigh like one spread of anything else."""
 _SUFFIXES: Final = (".bvh", ".amc", ".glb", ".gltf", ".npz")
 """Of recordings' files: a recording may be named with or without."""
 
@@ -172,6 +188,27 @@ class Wish:
         nearer = goals.RADIUS if self.route is not None else self.radius * (2 * len(self.places) - 1)
         return max(0.0, self.metres - nearer)
 
+    def most_seconds(self, ahead: Prospects, seconds: float | None) -> float:
+        """How long may be performed: ``seconds``, or what the goal may take.
+
+        Raises
+        ------
+        InputError
+            If there is somewhere to go, and the recordings stay in place.
+        """
+        away = self.metres - self.radius
+        if away > 0.0 and ahead.pace < STAYING:
+            raise InputError(
+                f"These recordings stay in place (at most {ahead.pace:.2g} metres a second in a straight line): no "
+                f"{'target' if self.places else 'route'} can be reached with them. Give recordings that go about, "
+                "or perform without a place to go to."
+            )
+        if seconds is not None:
+            return float(seconds)
+        if away <= 0.0:
+            return MOST_SECONDS if self.to_state is not None else SECONDS
+        return min(MOST_SECONDS, max(SECONDS, SETTLING + DETOUR * self.metres / ahead.pace))
+
     def may_try_again(self, seconds: float, fastest: float) -> bool:
         """Whether, where the first draw does not lead there, another may: ``fastest`` in metres a second."""
         return bool(self.places or self.route is not None) and self.least_metres <= seconds * fastest
@@ -220,6 +257,7 @@ class Wish:
             assert self.from_state is not None
             out.append(goals.StateToState(self.from_state, self.to_state))
         goes_somewhere = bool(out)
+        out.append(goals.Onwards(weight=ONWARDS))
         if self.favour is not None:
             out.append(goals.Favour(self.favour, weight=FAVOURED))
         if not goes_somewhere:

@@ -1,0 +1,163 @@
+"""What of a performance is doubtful: what was measured beside what it may be, what was wished for beside what came of it."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinesics.errors import some_of
+from kinesics.synthesis.checking import ROUNDING, SLIDE, SUNK, Slid
+from kinesics.synthesis.piece import Piece
+from kinesics.synthesis.prospects import Prospects
+from kinesics.synthesis.stage import FLESH
+from kinesics.synthesis.wish import HARDLY, MOST_SECONDS, SPARE, Wish
+
+REPEATED: Final = 5.0
+"""Times that every moment comes, from which it is said that there is little to choose from."""
+SHORT: Final = 0.25
+"""Seconds of a way from state to state, below which hardly anything of it is to be seen."""
+NEAR_CUT: Final = 0.3
+"""Seconds from a contact to a transition, up to which that may have moved the foot."""
+
+
+def doubts(piece: Piece, wish: Wish, ahead: Prospects, most: float, seconds: float | None) -> tuple[str, ...]:
+    """What did not go as wished, what does not stay where the recordings were, and what helps.
+
+    Parameters
+    ----------
+    most : seconds that were allowed.
+    seconds : those that were asked for, if any were.
+    """
+    said = (
+        _unused(piece),
+        _repeated(piece, wish),
+        _missed(piece, wish, ahead, most, seconds),
+        _short(piece, wish),
+        *_slid(piece),
+        _beyond(piece),
+    )
+    return tuple(line for line in said if line)
+
+
+def _unused(piece: Piece) -> str:
+    none_of = list(dict.fromkeys(p.recording for p in piece.pruned if p.everything))
+    if not none_of:
+        return ""
+    return (
+        f"nothing is performed of {some_of(none_of, 8)}: no transition leads there and back again; longer "
+        "recordings, or others nearer in pose, speed and footing, would join it"
+    )
+
+
+def _repeated(piece: Piece, wish: Wish) -> str:
+    times = piece.motion.duration / piece.network.seconds
+    if wish.ends or times < REPEATED:
+        return ""
+    return (
+        f"every moment comes about {times:.0f} times: only {piece.network.seconds:.1f} s can be performed"
+        f"{', mirror images counted' if piece.parameters['mirrored'] else ''}; give longer recordings, or more that are like "
+        "one another"
+    )
+
+
+def _missed(piece: Piece, wish: Wish, ahead: Prospects, most: float, seconds: float | None) -> str:
+    """That the goal was not attained, and what helps."""
+    if not wish.attainable or piece.attained:
+        return ""
+    told = "; ".join(piece.outcome) or "the goal was not attained"
+    if piece.course.attained and wish.places:
+        return (
+            f"{told}: the way that was chosen leads there, but keeping the feet in place takes the body beside it; give another "
+            "seed or a lower `fps` (--fps), or recordings whose feet slide less"
+        )
+    if wish.least_metres > most * ahead.fastest:
+        return (
+            f"{told}: {wish.least_metres:.1f} m at {ahead.fastest:.2f} m/s, the fastest there is, take longer than {most:g} s; "
+            "give more seconds"
+        )
+    if wish.target is not None and _hopeless(piece, wish, ahead):
+        return (
+            f"{told}: no way there was found with these recordings; give recordings that turn more, another seed, or allow "
+            "more `bend` (--bend)"
+        )
+    if not wish.places and wish.route is None:
+        return f"{told}: give more seconds"
+    advice = "give more seconds, another seed, or recordings that turn more"
+    if seconds is None and most < MOST_SECONDS:
+        advice = "give another seed, or recordings that turn more"
+    elif seconds is None:
+        advice = f"{most:g} s are given where nothing is said; give more `seconds` (--seconds), or another seed"
+    if ahead.pace < HARDLY:
+        advice += f"; these hardly get about ({ahead.pace:.2f} metres a second in a straight line)"
+    return f"{told}: {advice}"
+
+
+def _hopeless(piece: Piece, wish: Wish, ahead: Prospects) -> bool:
+    """Whether no way to the target was found from where the performer began."""
+    assert wish.target is not None
+    x, z = wish.target.position
+    bend = math.radians(piece.parameters["bend_used"])
+    tables = ahead.to_go(wish.radius - SPARE, bend)
+    return tables.hopeless(int(piece.course.paths[0]), complex(z, x))
+
+
+def _short(piece: Piece, wish: Wish) -> str:
+    """A way from state to state that is over before it is seen."""
+    if wish.to_state is None or not piece.attained or piece.motion.duration >= SHORT:
+        return ""
+    return (
+        f"{wish.from_state} to {wish.to_state} lasts {piece.motion.duration:.2g} s: where the recordings pass so quickly from the "
+        "one to the other there is hardly more to be seen; `linger` (--linger) with `seconds` (--seconds) goes on from there"
+    )
+
+
+def _slid(piece: Piece) -> list[str]:
+    """Feet that slide: those beside transitions, which another seed may do without, and those that slide without one."""
+    found, fps = piece.check, piece.motion.fps
+    if not found.slid:
+        return []
+    cuts = piece.performance.cuts
+    worst = max(found.slid, key=lambda slid: slid.slide)
+    alone = [slid for slid in found.slid if not _near_cut(slid, cuts, NEAR_CUT * fps)]
+    out = (
+        f"feet slide more than {100 * SLIDE:g} cm in {found.slides} of {found.contacts} contacts, the {worst.foot} one by "
+        f"{100 * worst.slide:.1f} cm from {worst.start / fps:.1f} to {worst.end / fps:.1f} s"
+    )
+    advice = []
+    if len(alone) < found.slides:
+        advice.append(
+            "another seed (--seed) takes other transitions, longer recordings or more that are like them give better ones"
+        )
+    if alone:
+        which = "there" if len(alone) == found.slides else f"in {len(alone)} of these"
+        advice.append(f"{which} no transition is near: it lies in the recordings, and only others help")
+    return [f"{out}; {'; '.join(advice)}"]
+
+
+def _near_cut(slid: Slid, cuts: NDArray[np.intp], near: float) -> bool:
+    return bool(np.any((cuts >= slid.start - near) & (cuts < slid.end + near)))
+
+
+def _beyond(piece: Piece) -> str:
+    """What else was measured that is more than it may be."""
+    found = piece.check
+    said = []
+    if found.below_floor > SUNK:
+        said.append(f"a sole is {100 * found.below_floor:.1f} cm below the floor ({100 * SUNK:g} cm is let pass)")
+    if found.beyond_range > ROUNDING:
+        said.append(f"a joint is {math.degrees(found.beyond_range):.2g}° beyond its range in the recordings")
+    if found.deeper > FLESH:
+        said.append(
+            f"limbs are {1000 * found.deeper:.1f} mm deeper in each other than in the recordings ({1000 * FLESH:g} mm is let "
+            "pass)"
+        )
+    if found.distance > found.accepted:
+        said.append(
+            f"a pose is farther from the recordings, by D {found.distance:.2g}, than transitions may be ({found.accepted:.2g})"
+        )
+    if not said:
+        return ""
+    return "; ".join(said) + ": another seed (--seed) may do without, or more recordings that are like these"

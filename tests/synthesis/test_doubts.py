@@ -1,0 +1,123 @@
+"""What is doubtful of a performance is told in its warnings, with what was measured, what it may be, and what helps."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import pytest
+
+import kinesics as kx
+from kinesics.synthesis import checking
+from kinesics.synthesis.checking import Check, Slid
+from kinesics.synthesis.doubts import doubts
+from kinesics.synthesis.piece import Piece
+from kinesics.synthesis.prospects import prospects
+from kinesics.synthesis.wish import Wish
+
+SOUND = Check(20, 0, 0.006, 0.004, 0.0, 0.001, 0.003, 0.01)
+
+
+@pytest.fixture(scope="module")
+def walk() -> kx.Motion:
+    """Eight seconds in a circle."""
+    return kx.performer.walk(seconds=8, fps=30, route="circle").motion
+
+
+@pytest.fixture(scope="module")
+def piece(walk: kx.Motion) -> Piece:
+    """Ten seconds of it."""
+    return kx.performance(walk, seconds=10)
+
+
+def told(piece: Piece, **changed: Any) -> tuple[str, ...]:
+    """Of a piece in which this was measured."""
+    wish = Wish.of(None, None, None, None, None, None)
+    checked = dataclasses.replace(piece, check=SOUND._replace(**changed))
+    return doubts(checked, wish, prospects(piece.network), 10.0, 10.0)
+
+
+def slid(frame: int, metres: float = 0.05) -> dict[str, Any]:
+    """What is measured where the left foot slides for six frames from this one on."""
+    return {"slides": 1, "slide": metres, "slid": (Slid("left", frame, frame + 6, metres),)}
+
+
+def test_what_holds_is_not_doubted(piece: Piece) -> None:
+    """Nothing is said of slides and the like where all is as it may be, just as it may be included."""
+    assert told(piece) == ()
+    assert told(piece, below_floor=checking.SUNK, distance=0.01) == ()
+
+
+@pytest.mark.parametrize(
+    ("changed", "says"),
+    [
+        ({"below_floor": 0.023}, "2.3 cm below the floor (1 cm"),
+        ({"beyond_range": 0.1}, "5.7° beyond its range"),
+        ({"deeper": 0.0121}, "12.1 mm deeper in each other than in the recordings (3 mm"),
+        ({"distance": 0.02}, "by D 0.02, than transitions may be (0.01)"),
+    ],
+)
+def test_what_does_not_stay_is_told_beside_what_it_may_be(piece: Piece, changed: dict[str, Any], says: str) -> None:
+    """What failed, by how much, against which line, and what helps."""
+    (doubt,) = told(piece, **changed)
+    assert says in doubt
+    assert "--seed" in doubt
+
+
+def test_feet_that_slide_are_told_with_when_and_what_helps(piece: Piece) -> None:
+    """Beside a transition another seed; far from all of them none, for it lies in the recordings."""
+    cuts = piece.performance.cuts
+    far = next(f for f in range(piece.motion.frame_count - 6) if abs(cuts - f - 3).min() > 20)
+    (doubt,) = told(piece, **slid(int(cuts[0])))
+    at = cuts[0] / 30
+    assert f"more than 1 cm in 1 of 20 contacts, the left one by 5.0 cm from {at:.1f} to {at + 0.2:.1f} s" in doubt
+    assert "--seed" in doubt
+    assert "lies in the recordings" not in doubt
+    (doubt,) = told(piece, **slid(far))
+    assert "no transition is near" in doubt
+    assert "--seed" not in doubt
+
+
+def test_a_failed_check_is_among_the_warnings_and_made_once(walk: kx.Motion, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In the motion, in the provenance; whatever is asked of the piece afterwards, and however many ways were tried."""
+    made = []
+
+    def failed(*what: Any) -> Check:
+        made.append(what)
+        return SOUND._replace(**slid(3, 0.12))
+
+    monkeypatch.setattr(checking, "check", failed)
+    piece = kx.performance(walk, target=(0.0, -2.0), seconds=8)
+    facts = piece.to_dict()
+    assert len(made) == 1
+    (doubt,) = [line for line in piece.motion.warnings if "the left one by 12.0 cm" in line]
+    assert doubt in facts["output"]["warnings"]
+    assert facts["check"]["slid"] == [{"foot": "left", "start": 3, "end": 9, "slide_m": 0.12}]
+    assert not facts["check"]["holds"]
+
+
+def test_the_contacts_that_slide_are_those_that_are_counted(piece: Piece) -> None:
+    """Of a body dragged over the floor: each with its foot and frames, the worst among them."""
+    motion = piece.motion
+    drift = (motion.root_positions[:, :1] * 0.0 + 0.004).cumsum(axis=0) * [1.0, 0.0, 0.0]
+    dragged = dataclasses.replace(
+        piece.performance, motion=motion.replace(root_positions=motion.root_positions + drift)
+    )
+    found = checking.check(dragged, piece.network)
+    assert 0 < found.slides == len(found.slid) <= found.contacts
+    assert max(one.slide for one in found.slid) == found.slide
+    assert all(one.slide > checking.SLIDE and one.start < one.end <= motion.frame_count for one in found.slid)
+    assert [one.start for one in found.slid] == sorted(one.start for one in found.slid)
+
+
+def test_a_way_too_short_to_be_seen_is_told(walk: kx.Motion) -> None:
+    """How long it lasts, and how to go on from there."""
+    piece = kx.performance(walk, from_state="A", to_state="A*")
+    assert not any("lasts" in line for line in piece.motion.warnings)
+    short = dataclasses.replace(
+        piece, performance=dataclasses.replace(piece.performance, motion=piece.motion[:4]), check=SOUND
+    )
+    wish = Wish.of(None, None, "A", "A*", None, None)
+    (doubt,) = doubts(short, wish, prospects(piece.network), 10.0, None)
+    assert "A to A* lasts 0.13 s" in doubt
+    assert "--linger" in doubt
