@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from kinesics.grammar import reading
 from kinesics.grammar.ground import Mark
 from kinesics.grammar.moments import Moments, from_distances
+from kinesics.grammar.reading import states
 
 
 def _crowded(rng: np.random.Generator, places: int, each: int) -> tuple[Moments, np.ndarray]:
@@ -20,10 +20,10 @@ def _crowded(rng: np.random.Generator, places: int, each: int) -> tuple[Moments,
 @pytest.mark.parametrize("most", [10, 60, 10_000])
 def test_marks_are_put_together_by_place(rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch, most: int) -> None:
     """Whether all are compared with all or the closest taken as one first, each cluster is one place and each place one."""
-    monkeypatch.setattr(reading, "_MOST_MARKS", most)
+    monkeypatch.setattr(states, "_MOST_MARKS", most)
     moments, place = _crowded(rng, 6, 40)
     marks = [Mark(int(t), False) for t in rng.permutation(len(place))] + [Mark(3, True)]
-    groups = reading._cluster(moments, marks, 0.005)
+    groups = states.cluster(moments, marks, 0.005)
     assert sum(len(g) for g in groups) == len(marks)
     assert len(groups) == 6
     for group in groups:
@@ -40,7 +40,7 @@ def test_no_two_of_a_cluster_are_further_apart_than_a_state(
     marks = [Mark(t, False) for t in range(300)]
     limit = 0.1
     for most, slack in ((10_000, 1.0), (50, 1.5)):
-        monkeypatch.setattr(reading, "_MOST_MARKS", most)
-        groups = reading._cluster(moments, marks, limit**2 / 2)
+        monkeypatch.setattr(states, "_MOST_MARKS", most)
+        groups = states.cluster(moments, marks, limit**2 / 2)
         assert max(np.ptp(at[[m.moment for m in g]]) for g in groups) <= limit * slack + 1e-6
         assert 1.0 / (slack * limit) - 1 <= len(groups) <= 30

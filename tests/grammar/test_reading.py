@@ -11,6 +11,8 @@ import pytest
 import kinesics as kx
 from kinesics.grammar import assembly, classes, cyclic, moments, reading
 from kinesics.grammar.graph import MotionGraph
+from kinesics.grammar.reading import visits
+from kinesics.grammar.reading.seen import Seen
 from kinesics.grammar.whole import read_grammar
 from kinesics.performer.random_graphs import covering_steps, random_graph
 from kinesics.vocabulary import MovementClass as C
@@ -179,7 +181,7 @@ def test_a_stop_nearly_its_own_mirror_image_is_one_stay() -> None:
 
     seen = moments.from_distances(half_squared(1.0), half_squared(-1.0), fps=30.0)
     state = reading.ReadState(moment=20, symmetric=False, traced=True)
-    visits = reading._visits(reading._Seen(seen, 0.01, ()), [state])
-    assert [(v.state, v.mirrored) for v in visits] == [(0, False)]
-    assert visits[0].start <= 19
-    assert visits[0].end >= 25
+    found = visits.find_visits(Seen(seen, 0.01, ()), [state])
+    assert [(v.state, v.mirrored) for v in found] == [(0, False)]
+    assert found[0].start <= 19
+    assert found[0].end >= 25

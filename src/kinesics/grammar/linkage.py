@@ -97,8 +97,8 @@ def clusters_of_many(apart: Callable[[Indices, Indices], Array], count: int, wit
         heads, number = members, np.arange(len(members))
         reach = _CLOSEST * within
         while len(heads) > MOST:
-            heads, led = _led(apart, heads, reach)
-            number = led[number]
+            heads, followed = led(apart, heads, reach, CELLS)
+            number = followed[number]
             reach *= 1.5
         own = clusters(apart(heads, heads), within, "average", np.bincount(number))
         labels[members] = last + own[number]
@@ -123,26 +123,34 @@ def _parts(apart: Callable[[Indices, Indices], Array], count: int, within: float
     return part
 
 
-def _led(apart: Callable[[Indices, Indices], Array], things: Indices, reach: float) -> tuple[Indices, Indices]:
-    """Things of which no two lie within ``reach``; and for each thing the number of the one it is led by."""
-    led = np.full(len(things), -1, dtype=np.intp)
+def led(
+    apart: Callable[[Indices, Indices], Array], things: Indices, reach: float, cells: int
+) -> tuple[Indices, Indices]:
+    """Things of which no two lie within ``reach``; and for each thing the number of the one it is led by.
+
+    Parameters
+    ----------
+    apart : the distances of two lists of things, shape (rows, columns).
+    cells : distances that are asked for at once.
+    """
+    leader = np.full(len(things), -1, dtype=np.intp)
     heads: list[int] = []
-    step = max(1, CELLS // len(things))
+    step = max(1, cells // len(things))
     for first in range(0, len(things), step):
         here = np.arange(first, min(first + step, len(things)))
         if heads:
             distances = apart(things[here], things[heads])
             nearest = distances.argmin(axis=1)
             known = distances[np.arange(len(here)), nearest] <= reach
-            led[here[known]] = nearest[known]
+            leader[here[known]] = nearest[known]
             here = here[~known]
         for k, row in zip(here.tolist(), apart(things[here], things[here]) <= reach, strict=True):
-            if led[k] < 0:
+            if leader[k] < 0:
                 followers = here[row]
-                led[followers[led[followers] < 0]] = len(heads)
-                led[k] = len(heads)
+                leader[followers[leader[followers] < 0]] = len(heads)
+                leader[k] = len(heads)
                 heads.append(k)
-    return things[heads], led
+    return things[heads], leader
 
 
 def _root(parent: NDArray[np.intp], thing: int) -> int:
