@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Callable
+
 import numpy as np
 import pytest
+from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_hex
 from matplotlib.patches import Ellipse, Polygon, Rectangle
@@ -11,6 +15,7 @@ from matplotlib.text import Text
 
 import kinesics as kx
 from kinesics import plotting
+from kinesics.plotting import canvas
 from kinesics.plotting.canvas import figure_bytes
 from kinesics.plotting.contact_sheet import CUT, MIRRORED
 from kinesics.plotting.scene import GOAL, TILE, TRAIL, Camera
@@ -59,6 +64,48 @@ def test_a_long_title_stays_on_the_paper(walk: kx.Motion) -> None:
     (left,) = [t.get_window_extent() for t in figure.findobj(Text) if t.get_text().startswith("reached")]
     assert left.x1 < figure.bbox.x1
     assert left.y1 < figure.bbox.y1
+
+
+@pytest.mark.parametrize("draw", [plotting.trail_plot, plotting.contact_sheet])
+@pytest.mark.parametrize("name", ["WALK_" * 25, "q$\\frac$c", "a$b$", "歩行", "many words of " * 9, "walk"])
+def test_whatever_a_recording_is_called_its_title_is_whole(
+    walk: kx.Motion, draw: Callable[..., Axes], name: str
+) -> None:
+    """On the paper, letter for letter and no formula, over wide sheets and narrow ones; nothing is said of strange letters."""
+    for motion in (walk, walk[:2]):
+        ax = draw(motion, title=f"1.0 s from {name}")
+        figure = ax.get_figure(root=True)
+        assert figure is not None
+        assert figure_bytes(figure, ".png").startswith(b"\x89PNG")
+        title = ax._left_title  # type: ignore[attr-defined]
+        shown = title.get_text().replace("\n", "").replace(" ", "")
+        assert shown.startswith(f"1.0 s from {name}".replace(" ", ""))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            seen = title.get_window_extent()
+        assert seen.x0 >= 0.0
+        assert seen.x1 <= figure.bbox.x1
+        assert seen.y1 <= figure.bbox.y1
+        assert not title.get_parse_math()
+
+
+def test_a_title_that_is_too_long_ends_in_dots() -> None:
+    """In no more lines than asked for, each within the width; what fits is in one."""
+    assert canvas.title_lines("a walk", 3.0, 10.0, most=2) == ["a walk"]
+    assert canvas.title_lines("", 3.0, 10.0, most=2) == []
+    lines = canvas.title_lines("to and fro " * 40, 3.0, 10.0, most=2)
+    assert len(lines) == 2
+    assert lines[1].endswith(" …")
+    assert all(12 < len(line) < 60 for line in lines)
+
+
+@pytest.mark.parametrize("metres", [0.0, 3.0, 60.0, 400.0])
+def test_a_trail_is_neither_a_thread_nor_a_tower(walk: kx.Motion, metres: float) -> None:
+    """Straight on or in place: at most six times as wide as high, and never higher than wide."""
+    straight = walk.root_positions * [0.0, 1.0, 0.0] + np.linspace(0.0, metres, walk.frame_count)[:, None] * [0, 0, 1]
+    ax = plotting.trail_plot(walk.replace(root_positions=straight), title="straight on")
+    wide, high = ax.get_figure(root=True).get_size_inches()
+    assert 1.0 < wide / high < 6.0
 
 
 def test_figures_stand_at_regular_times_where_there_is_room(walk: kx.Motion) -> None:
@@ -125,14 +172,14 @@ def test_tiles_are_as_wide_as_is_said(walk: kx.Motion, metres: float, tile: floa
     ax = plotting.trail_plot(walk.replace(root_positions=straight))
     (said,) = (text.get_text() for text in ax.texts)
     assert words in said
-    # the floor is a metre or more larger all round, in whole tiles: as many lines across as tiles, and one more
+    # the floor is a metre or more larger all round and never a thread, in whole tiles: as many lines across as tiles, and one more
     (lines,) = [c for c in ax.collections if isinstance(c, LineCollection) and to_hex(c.get_color()[0]) == TILE]
-    long, wide = np.ceil(np.array([metres + 2.0, 2.0]) / tile)
+    long, wide = np.ceil(np.array([metres + 2.0, max(2.0, 0.14 * (metres + 2.0))]) / tile)
     assert len(lines.get_segments()) == long + wide + 2
     head = next(a for a in ax.get_children() if isinstance(a, Ellipse))
     inches = 9.0 / np.ptp(ax.get_xlim())
     assert head.height * inches > 0.03
-    assert ("times too large" in said) == (metres > 30.0)
+    assert ("times too large" in said) == (metres > 20.0)
 
 
 def test_a_contact_sheet_has_a_figure_a_step_and_its_marks(walk: kx.Motion) -> None:
@@ -174,6 +221,29 @@ def test_no_figure_is_cut_off_at_the_edge(across: int) -> None:
         assert figure is not None
         figure.canvas.draw()
         assert min(t.get_window_extent().x0 for t in ax.texts) > 0.0
+
+
+@pytest.mark.parametrize("frames", [1, 2, 4, 12, 30, 149])
+def test_a_sheet_of_a_moment_is_well_proportioned(walk: kx.Motion, frames: int) -> None:
+    """Wider than high, a figure no larger than on other sheets; every frame at most once, six of them where there are as many."""
+    ax = plotting.contact_sheet(walk[:frames], title="a moment")
+    wide, high = ax.get_figure(root=True).get_size_inches()
+    assert 1.0 < wide / high < 6.0
+    _, heads = ax.collections
+    assert min(6, frames) <= len(heads.get_paths()) <= frames
+    metre = ax.get_position().height * high / np.ptp(ax.get_ylim())
+    assert metre == pytest.approx(0.92, rel=0.02)
+
+
+def test_stretched_arms_have_room() -> None:
+    """Figures stand farther apart where arms go sideways, so that there are fewer in a row."""
+    stretched = kx.performer.jumping_jacks(seconds=60, fps=10).motion
+    walk = kx.performer.walk(seconds=60, fps=10).motion
+    assert len(plotting.contact_sheet(stretched, view="front").texts) <= 4
+    widths = [
+        np.ptp(plotting.contact_sheet(m, every=1.0, across=10, view="front").get_xlim()) for m in (walk, stretched)
+    ]
+    assert widths[1] > 1.2 * widths[0]
 
 
 def test_a_long_movement_has_at_most_four_rows() -> None:

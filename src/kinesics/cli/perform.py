@@ -318,8 +318,9 @@ def _summarize(piece: Piece) -> None:
     """What a choreographer wants to know: whether it got there, how often it changed, from what, what was left out."""
     console = terminal.console()
     motion, counted = piece.motion, terminal.counted
+    lasts = f"{motion.duration:.1f}" if motion.duration >= 1.0 else f"{motion.duration:.2g}"
     console.print(
-        f"[bold]{motion.duration:.1f} s[/bold] of new movement: {counted(motion.frame_count, 'frame')} at {motion.fps:g} fps"
+        f"[bold]{lasts} s[/bold] of new movement: {counted(motion.frame_count, 'frame')} at {motion.fps:g} fps"
     )
     target, away = piece.parameters["target"], piece.nearest
     if target is not None and away is not None:

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import io
 import os
+import warnings
 import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -52,9 +55,17 @@ def figure_bytes(figure: Figure, suffix: str) -> bytes:
     if suffix == ".png":
         return _png(figure)
     stream = io.BytesIO()
-    with matplotlib.rc_context({"svg.hashsalt": "kinesics", "svg.fonttype": "path"}):
+    with matplotlib.rc_context({"svg.hashsalt": "kinesics", "svg.fonttype": "path"}), _strange_letters():
         figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
     return stream.getvalue()
+
+
+@contextmanager
+def _strange_letters() -> Iterator[None]:
+    """Names of files may hold letters that the font lacks: they are drawn as boxes, and nothing is said on stderr."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing from", category=UserWarning)
+        yield
 
 
 def _png(figure: Figure) -> bytes:
@@ -63,7 +74,8 @@ def _png(figure: Figure) -> bytes:
 
     stream = io.BytesIO()
     paper: Any = FigureCanvasAgg(figure)  # matplotlib types it in part
-    paper.draw()
+    with _strange_letters():
+        paper.draw()
     pixels = np.asarray(paper.buffer_rgba())
     picture = Image.fromarray(pixels if (pixels[..., 3] < 255).any() else np.ascontiguousarray(pixels[..., :3]))
     # runs alone: a search for repetitions takes twice as long and gains nothing in plots of Z
@@ -107,6 +119,43 @@ def own_axes(width: float, height: float, *, rect: tuple[float, float, float, fl
     The place is given, not found: the layout engines of matplotlib draw every text twice to find theirs.
     """
     return new_figure(width, height).add_axes(rect)
+
+
+def title_lines(text: str, inches: float, size: float, *, most: int) -> list[str]:
+    """A title in as many lines as it takes so as to be no wider; what does not fit into ``most`` of them ends in "…".
+
+    Parameters
+    ----------
+    size : of the letters, points.
+    """
+    from matplotlib.font_manager import FontProperties
+    from matplotlib.textpath import TextToPath
+
+    font, measure = FontProperties(size=size), TextToPath()
+
+    def fits(line: str) -> bool:
+        width, _, _ = measure.get_text_width_height_descent(line, font, ismath=False)
+        # letters are put on whole pixels as they are drawn
+        return bool(1.03 * width <= 72.0 * inches)
+
+    lines: list[str] = []
+    rest = text.strip()
+    with _strange_letters():
+        while rest:
+            if fits(rest):
+                return [*lines, rest]
+            if len(lines) == most - 1:
+                return [
+                    *lines,
+                    next((f"{rest[:n].rstrip()} …" for n in range(len(rest), 0, -1) if fits(f"{rest[:n]} …")), "…"),
+                ]
+            room = next((n for n in range(len(rest), 1, -1) if fits(rest[:n])), 1)
+            end = rest.rfind(" ", 0, room + 1)
+            # a long word is broken rather than half a line left empty
+            end = end if end > room // 2 else room
+            lines.append(rest[:end].rstrip())
+            rest = rest[end:].lstrip()
+    return lines
 
 
 def pixel_size(ax: Axes) -> tuple[int, int]:

@@ -23,15 +23,32 @@ MIRRORED_SHADE: Final = "#dff5f6"
 CUT: Final = "#d9822b"
 
 _GAP: Final = 0.72
-"""Metres of paper between two figures."""
+"""Metres of paper between two figures, at least."""
+_WIDEST_GAP: Final = 1.3
+"""At most: arms stretched sideways may reach over their neighbours'."""
+_CLEAR: Final = 0.1
+"""Metres between most figures and their neighbours."""
 _ROW: Final = 2.15
 """Metres of paper from floor to floor."""
 _EDGE: Final = 0.04
 """Metres of paper beyond the outermost figure: half a stroke."""
-_ACROSS: Final = 16
-"""Figures in a row, if nothing else is said."""
+_LEFT: Final = 0.55
+"""Inches beside the rows, for the times."""
+_INCHES: Final = 0.92
+"""Of paper a metre."""
+_PAPER: Final = 11.9
+"""Metres of figures in a row, if nothing else is said."""
+_LEAST_PAPER: Final = 6.0
+"""Metres from the left end of the sheet to the right, at least."""
+_FEW: Final = 6
+"""Figures at least, where there are as many frames."""
 _ROWS: Final = 4
 """Rows at most, if nothing else is said."""
+_SOON: Final = (0.1, 0.05, 0.02, 0.01, 0.005)
+"""Seconds between figures of what is over sooner."""
+_TITLE_SIZE: Final = 9.5
+"""Points."""
+_TITLE_LINES: Final = 4
 _STEPS: Final = (0.2, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0)
 
 
@@ -41,7 +58,7 @@ def contact_sheet(
     transitions: ArrayLike = (),
     mirrored: Iterable[tuple[int, int]] = (),
     every: float | None = None,
-    across: int = _ACROSS,
+    across: int | None = None,
     view: View = "three-quarter",
     title: str | None = None,
     ax: Axes | None = None,
@@ -55,7 +72,7 @@ def contact_sheet(
     transitions : frames at which one recording is left for another place, shape (n,): orange marks on the floor line.
     mirrored : ranges [start, end) of frames that play a mirror image.
     every : seconds between figures; chosen for at most four rows unless given.
-    across : figures in a row.
+    across : figures in a row; as many as there is room for unless given.
     ax : where to draw; a new figure without.
 
     Raises
@@ -65,35 +82,45 @@ def contact_sheet(
     """
     if every is not None and not (np.isfinite(every) and every > 0.0):
         raise InputError(f"Expected `every` above 0 seconds, got {every}.")
-    if across < 1:
+    if across is not None and across < 1:
         raise InputError(f"Expected one figure or more `across`, got {across}.")
     cuts = np.asarray(transitions, dtype=np.float64).reshape(-1)
     ranges = [(int(a), int(b)) for a, b in mirrored]
     for frame in (*cuts.tolist(), *(f for pair in ranges for f in pair)):
         if not 0 <= frame <= motion.frame_count:
             raise InputError(f"No frame {frame:g} in a motion of {motion.frame_count} frames.")
-    step = every
-    if step is None:
-        step = next((s for s in _STEPS if motion.duration / s <= across * _ROWS), _STEPS[-1])
+    if every is not None and motion.duration > 2000 * every:
+        raise InputError(
+            f"A figure every {every:g} s would make {int(motion.duration / every)} figures; give a larger `every`."
+        )
+    gap = _gap(motion, view)
+    across = max(1, int(_PAPER / gap)) if across is None else across
+    step = _step(motion, across) if every is None else every
     times = np.arange(0.0, motion.duration - 1e-9, step)
-    if len(times) > 2000:
-        raise InputError(f"A figure every {step:g} s would make {len(times)} figures; give a larger `every`.")
     rows = -(-len(times) // across)
     columns = min(across, len(times))
     frames = np.minimum(np.round(times * motion.fps).astype(int), motion.frame_count - 1)
     strokes = compute_strokes(motion, frames, view=view)
     ground = float(motion.positions()[:, :, 1].min())
-    spots = np.array([(k % across * _GAP, (rows - 1 - k // across) * _ROW - ground) for k in range(len(times))])
+    spots = np.array([(k % across * gap, (rows - 1 - k // across) * _ROW - ground) for k in range(len(times))])
     # a figure may be wider than its share of the paper, and higher
     least, most = _extent(strokes, spots)
-    low = (min(-0.5 * _GAP, least[0] - _EDGE), min(-0.42, least[1] - _EDGE))
-    high = (max((columns - 0.5) * _GAP, most[0] + _EDGE), max(rows * _ROW, most[1] + _EDGE))
+    low = (min(-0.5 * gap, least[0] - _EDGE), min(-0.42, least[1] - _EDGE))
+    high = (max((columns - 0.5) * gap, most[0] + _EDGE), max(rows * _ROW, most[1] + _EDGE))
+    said = (
+        f"Every figure {_told(step)} later"
+        + ("; orange marks: transitions" if len(cuts) else "")
+        + ("; cyan: mirrored" if ranges else "")
+    )
+    said = said if title is None else f"{title}   ({said})"
+    titled = [said]
     if ax is None:
-        width = 0.66 / _GAP * max(high[0] - low[0], 6.0 * _GAP)
-        height = width * (high[1] - low[1]) / (high[0] - low[0])
-        # inches to the left for the times, above for the title
-        paper = (width + 0.65, height + 0.5)
-        ax = canvas.own_axes(*paper, rect=(0.55 / paper[0], 0.05 / paper[1], width / paper[0], height / paper[1]))
+        # a sheet of few figures is as wide as a title
+        high = (max(high[0], low[0] + _LEAST_PAPER), high[1])
+        width, height = _INCHES * (high[0] - low[0]), _INCHES * (high[1] - low[1])
+        titled = canvas.title_lines(said, width - 0.1, _TITLE_SIZE, most=_TITLE_LINES)
+        paper = (width + _LEFT + 0.1, height + 0.5 + 0.16 * (len(titled) - 1))
+        ax = canvas.own_axes(*paper, rect=(_LEFT / paper[0], 0.05 / paper[1], width / paper[0], height / paper[1]))
     ax.set_xlim(low[0], high[0])
     ax.set_ylim(low[1], high[1])
     ax.set_aspect("equal")
@@ -103,24 +130,18 @@ def contact_sheet(
     for row in range(rows):
         floor = (rows - 1 - row) * _ROW
         start, end = row * a_row, min((row + 1) * a_row, motion.duration)
-        _floor(ax, floor, _place(0.0, step), _place(end - start, step))
+        _floor(ax, floor, gap, step, 0.0, end - start)
         for a, b in ranges:
             t0, t1 = max(a / motion.fps, start), min(b / motion.fps, end)
             if t1 > t0:
-                _mirrored(ax, floor, _place(t0 - start, step), _place(t1 - start, step))
+                _mirrored(ax, floor, gap, step, t0 - start, t1 - start)
         for cut in cuts / motion.fps:
             if start <= cut < end:
-                _cut(ax, floor, _place(float(cut) - start, step))
+                _cut(ax, floor, gap, step, float(cut) - start)
         ax.text(low[0] - 0.06, floor, f"{start:g} s", fontsize=8, ha="right", va="center", color=canvas.INK)
     draw_figures(ax, [Placed(strokes, k, (x, y), (1.0, 1.0), line_width) for k, (x, y) in enumerate(spots.tolist())])
     ax.set_axis_off()
-    said = (
-        "Every figure "
-        + f"{step:g} s later"
-        + ("; orange marks: transitions" if len(cuts) else "")
-        + ("; cyan: mirrored" if ranges else "")
-    )
-    ax.set_title(said if title is None else f"{title}   ({said})", fontsize=9.5, loc="left", color=canvas.INK)
+    ax.set_title("\n".join(titled), fontsize=_TITLE_SIZE, loc="left", color=canvas.INK, parse_math=False)
     return ax
 
 
@@ -132,26 +153,47 @@ def _extent(strokes: Strokes, spots: NDArray[np.float64]) -> tuple[NDArray[np.fl
     return least, np.maximum(points.max(axis=(0, 1)), heads.max(axis=0) + strokes.head_radius)
 
 
-def _place(seconds: float, step: float) -> float:
-    """Metres across the paper."""
-    return (seconds / step) * _GAP
+def _gap(motion: Motion, view: View) -> float:
+    """Metres of paper a figure, by what most of them want."""
+    some = np.unique(np.linspace(0, motion.frame_count - 1, 40).astype(int))
+    strokes = compute_strokes(motion, some, view=view)
+    points = strokes.segments.reshape(len(some), -1, 2)[..., 0]
+    return float(np.clip(np.quantile(np.ptp(points, axis=1), 0.75) + _CLEAR, _GAP, _WIDEST_GAP))
 
 
-def _floor(ax: Axes, floor: float, left: float, right: float) -> None:
-    ax.plot([left - 0.5 * _GAP, right - 0.5 * _GAP], [floor, floor], color=canvas.FAINT, linewidth=1.0, zorder=1.0)
+def _step(motion: Motion, across: int) -> float:
+    """Seconds between figures: no more of them than rows hold, no fewer than show how it goes on, and none twice."""
+    step = next((s for s in _STEPS if motion.duration / s <= across * _ROWS), _STEPS[-1])
+    if motion.duration > step * (_FEW - 1):
+        return step
+    sooner = next((s for s in _SOON if motion.duration > s * (_FEW - 1)), _SOON[-1])
+    return max(sooner, 1.0 / motion.fps)
 
 
-def _mirrored(ax: Axes, floor: float, left: float, right: float) -> None:
+def _told(seconds: float) -> str:
+    return f"{seconds:g} s" if seconds >= 0.1 else f"{1000.0 * seconds:.3g} ms"
+
+
+def _floor(ax: Axes, floor: float, gap: float, step: float, start: float, end: float) -> None:
+    ends = [_place(start, gap, step), _place(end, gap, step)]
+    ax.plot(ends, [floor, floor], color=canvas.FAINT, linewidth=1.0, zorder=1.0)
+
+
+def _mirrored(ax: Axes, floor: float, gap: float, step: float, start: float, end: float) -> None:
     from matplotlib.patches import Rectangle
 
-    # a figure stands in the middle of its time
-    left, right = left - 0.5 * _GAP, right - 0.5 * _GAP
+    left, right = _place(start, gap, step), _place(end, gap, step)
     ax.add_patch(
         Rectangle((left, floor), right - left, 0.87 * _ROW, facecolor=MIRRORED_SHADE, edgecolor="none", zorder=0.5)
     )
     ax.plot([left, right], [floor, floor], color=MIRRORED, linewidth=3.0, solid_capstyle="butt", zorder=1.1)
 
 
-def _cut(ax: Axes, floor: float, place: float) -> None:
-    place -= 0.5 * _GAP
+def _cut(ax: Axes, floor: float, gap: float, step: float, at: float) -> None:
+    place = _place(at, gap, step)
     ax.plot([place, place], [floor - 0.2, floor + 0.1], color=CUT, linewidth=1.6, zorder=1.2)
+
+
+def _place(seconds: float, gap: float, step: float) -> float:
+    """Metres across the paper: a figure stands in the middle of its time."""
+    return (seconds / step - 0.5) * gap

@@ -5,7 +5,6 @@ After Figure 82 of [Schultz2012] (§4.4.1), in which the avatar's trail to its t
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
@@ -37,6 +36,10 @@ _STEPS: Final = (0.1, 0.2, 0.25, 0.5, 1.0, 1.5, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0
 """Seconds between figures."""
 _MARGIN: Final = 1.0
 """Metres of floor around what is on it."""
+_LEAST_FLOOR: Final = 3.0
+"""Metres of floor across the picture, at least."""
+_DEPTH: Final = 0.14
+"""Of the floor, as a share of its length, at least: a way straight on would run over a thread."""
 _TILES: Final = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
 """Metres that a tile may be wide: the first of which no more than `_MOST_TILES` lie along the floor."""
 _MOST_TILES: Final = 40
@@ -45,7 +48,7 @@ _MOST_TILES: Final = 40
 
 _PAPER: Final = 9.0
 """Inches from the left end of the floor to the right."""
-_LEAST_FIGURE: Final = 0.42
+_LEAST_FIGURE: Final = 0.6
 """Inches: the smallest figure in which limbs can be told apart."""
 _STATURE: Final = 1.7
 """Metres, about."""
@@ -55,9 +58,9 @@ _MOST_DOTS: Final = 60
 _DOT_STEPS: Final = (1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1800.0, 3600.0)
 """Seconds between dots."""
 
-_TITLE_WIDTH: Final = 108
-"""Letters of a title that fit into a line."""
-_TITLE_LINES: Final = 3
+_TITLE_SIZE: Final = 11.0
+"""Points."""
+_TITLE_LINES: Final = 4
 
 _ROUND: Final = np.linspace(0.0, 2.0 * np.pi, 90)
 _RING: Final = np.stack([np.sin(_ROUND), np.cos(_ROUND)], axis=-1)
@@ -136,7 +139,7 @@ def trail_plot(
     step, frames = _frames(motion, trail, every, larger * _APART)
     figures = _enlarged(_figures(motion, frames), trail[frames], larger)
     least, most = _extent(camera, floor, figures)
-    titled = [] if title is None else textwrap.wrap(title, _TITLE_WIDTH, max_lines=_TITLE_LINES, placeholder=" …")
+    titled = [] if title is None else canvas.title_lines(title, _PAPER, _TITLE_SIZE, most=_TITLE_LINES)
     if ax is None:
         wide, high = most - least
         height = _PAPER * float(high / wide)
@@ -171,7 +174,7 @@ def trail_plot(
         0.004, -0.01, said, transform=ax.transAxes, fontsize=8.5, color=canvas.INK, ha="left", va="top", clip_on=False
     )
     if title is not None:
-        ax.set_title("\n".join(titled), fontsize=11, loc="left", color=canvas.INK)
+        ax.set_title("\n".join(titled), fontsize=_TITLE_SIZE, loc="left", color=canvas.INK, parse_math=False)
     return ax
 
 
@@ -261,6 +264,7 @@ def _floor(camera: Camera, things: Array) -> _Floor:
     # whole tiles about the middle
     middle = 0.5 * (places.min(axis=0) + places.max(axis=0))
     size = np.ptp(places, axis=0) + 2.0 * _MARGIN
+    size = np.maximum(size, [_LEAST_FLOOR, _DEPTH * size[0]])
     tile = next((t for t in _TILES if size.max() <= t * _MOST_TILES), _TILES[-1])
     half = 0.5 * tile * np.ceil(size / tile - 1e-9)
     return _Floor(along, middle - half, middle + half, tile)

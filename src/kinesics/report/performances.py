@@ -157,7 +157,8 @@ def picture(piece: Piece) -> Figure:
     stays = bool(np.ptp(piece.trail, axis=0).max() < IN_PLACE) and not piece.places and goal["route"] is None
     played = sorted({span.source for span in piece.spans})
     whence = " and ".join(piece.sources[k].name for k in played) if len(played) <= 2 else f"{len(played)} recordings"
-    title = f"{piece.motion.duration:.1f} s from {whence}"
+    lasts = piece.motion.duration
+    title = f"{lasts:.1f} s from {whence}" if lasts >= 1.0 else f"{lasts:.2g} s from {whence}"
     if piece.outcome:
         title += f": {piece.outcome[0]}"
     if stays:

@@ -430,7 +430,7 @@ def _phrases(analysis: Analysis, source: int) -> Figure:
         if said is not None:
             # strokes through letters would be letters
             beneath = {"facecolor": colour, "edgecolor": "none", "pad": 1.0} if hatch else None
-            ax.text(middle, 0.62, said, ha="center", va="center", fontsize=8, color=INK, bbox=beneath)
+            ax.text(middle, 0.62, said, ha="center", va="center", fontsize=8, color=INK, bbox=beneath, parse_math=False)
         above = str(number + 1)
         wide = 3.5 * len(above) + 1.5
         if middle * pixels - wide > free:
