@@ -16,6 +16,7 @@ from kinesics.body.pose import PoseSequence
 from kinesics.geometry import quaternion
 from kinesics.grammar import linkage, motifs
 from kinesics.grammar.moments import Moments, from_poses
+from kinesics.grammar.motifs import returns, search
 
 FPS = 30.0
 
@@ -159,7 +160,7 @@ def test_long_recordings_are_read_more_coarsely(monkeypatch: pytest.MonkeyPatch)
     """Above the limit every other moment is read, and the members are the same to a tenth of a second."""
     moments = from_poses(planted()[0])
     fine = motifs.find_motifs(moments)
-    monkeypatch.setattr(motifs, "FULL_RATE_MOMENTS", 100)
+    monkeypatch.setattr(search, "FULL_RATE_MOMENTS", 100)
     coarse = motifs.find_motifs(moments)
     for motif in fine:
         if motif.family == 0:
@@ -242,7 +243,7 @@ def _mostly_still(minutes: float, rng: np.random.Generator) -> PoseSequence:
 def test_states_of_a_long_rest_take_no_square_of_it(monkeypatch: pytest.MonkeyPatch, rng: np.random.Generator) -> None:
     """Who stands for minutes is calm at thousands of moments: never are the distances of all of them asked for at once."""
     moments = from_poses(_mostly_still(6.0, rng))
-    calm = len(motifs._calm(moments))
+    calm = len(returns.calm_moments(moments))
     assert calm > 1000
     at_once = motifs.find_state_repetitions(moments)
     assert sorted(len(r.moments) for r in at_once if not r.mirrored)[-1] == 7  # before, between and after six throws

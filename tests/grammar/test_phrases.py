@@ -15,6 +15,7 @@ from kinesics.body.pose import PoseSequence
 from kinesics.geometry import quaternion
 from kinesics.grammar import phrases, whole
 from kinesics.grammar.moments import Moments, from_distances, from_poses
+from kinesics.grammar.phrases import crossing
 from naive import phrases as naive
 
 FPS = 30.0
@@ -178,7 +179,7 @@ def test_recurrences_are_those_of_the_plain_rule(rng: np.random.Generator) -> No
     for k in range(14):
         by_lag[k, : 14 - k] = np.diagonal(distance, k)
     for backwards in (False, True):
-        quick = phrases._paths(by_lag, [3], 0.05, backwards=backwards)[3]
+        quick = crossing.paths_by_lag(by_lag, [3], 0.05, backwards=backwards)[3]
         for i in range(14):
             for k in range(14 - i):
                 assert quick[k, i] == pytest.approx(

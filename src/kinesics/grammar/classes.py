@@ -37,7 +37,6 @@ from kinesics.grammar.moments import Moments
 from kinesics.similarity import chord
 from kinesics.vocabulary import FRIEZE_GROUPS, MovementClass
 
-Array = NDArray[np.float64]
 C = MovementClass
 
 CYCLIC_SYMMETRIES: Final[Mapping[MovementClass, frozenset[str]]] = {

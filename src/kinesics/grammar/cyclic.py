@@ -25,7 +25,6 @@ from kinesics.grammar.classes import SLOW_S
 from kinesics.grammar.moments import Moments
 from kinesics.vocabulary import MovementClass
 
-Array = NDArray[np.float64]
 C = MovementClass
 
 _SLOW: Final = 0.15

@@ -17,16 +17,13 @@ from numpy.typing import NDArray
 from kinesics import compiled
 from kinesics.grammar import lags, period
 from kinesics.grammar.moments import Moments
+from kinesics.grammar.ranges import RANGE, SWAY
 
 Array = NDArray[np.float64]
 Distances = NDArray[Any]
 
-RANGE: Final = 1.3
-"""Times the mean distance within a window: about the 75th percentile, and steadier."""
 _CALM: Final = 0.03
-"""A window with less than this share of the liveliest windows' range is still,"""
-_SWAY: Final = 4e-4
-"""and so is one with no more than this range, beyond the noise: joints that stay within 5° r.m.s. of each other."""
+"""A window with less than this share of the liveliest windows' range is still, and so is one with no more than `SWAY`."""
 _CYCLING: Final = 0.35
 """Where the period leaves more than this in a window, the window is not of the cycle."""
 _GLIDE_BAND: Final = 0.3
@@ -130,7 +127,7 @@ def cyclic(
     )
     ranges = np.array([RANGE * _window_mean(d, a, width) for a in starts])
     ranges = np.maximum(ranges - RANGE * noise, 1e-12)
-    still = max(_CALM * float(np.quantile(ranges, 0.9)), min(_SWAY, 0.5 * float(ranges.max())))
+    still = max(_CALM * float(np.quantile(ranges, 0.9)), min(SWAY, 0.5 * float(ranges.max())))
     held = np.array([_held(path.costs, a, width) for a in starts]) - noise
     cycling = (ranges > still) & (held < _CYCLING * ranges)
     if not cycling.any():

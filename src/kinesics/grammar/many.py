@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from kinesics.body.pose import PoseSequence, check_alike
 from kinesics.errors import InputError
-from kinesics.grammar import assembly, direction, phrases, reading, whole
+from kinesics.grammar import assembly, coarse, direction, phrases, reading, whole
 from kinesics.grammar import moments as _moments
 from kinesics.grammar.assembly import Recorded
 from kinesics.grammar.cyclic import Anchor, Cyclic
@@ -101,7 +101,7 @@ def match_kinds(grammars: Sequence[Grammar]) -> tuple[Grammar, ...]:
     if len(read) < 2:
         return tuple(grammars)
     rate = min(grammars[k].moments.fps for k in read)
-    coarse: list[Moments] = []
+    thinned: list[Moments] = []
     tiles: list[Phrase] = []
     groups: list[int] = []
     kinds: list[tuple[int, int]] = []
@@ -109,9 +109,9 @@ def match_kinds(grammars: Sequence[Grammar]) -> tuple[Grammar, ...]:
         source = grammars[k].moments
         assert source.poses is not None
         own = _moments.from_poses(source.poses, rate, weights=source.weights)
-        part = dataclasses.replace(phrases.thinned(own, phrases.RATE)[0], noise=source.noise)
-        first = sum(c.count for c in coarse)
-        coarse.append(part)
+        part = dataclasses.replace(coarse.thinned(own, coarse.RATE)[0], noise=source.noise)
+        first = sum(c.count for c in thinned)
+        thinned.append(part)
         share = part.count / source.source_frames
         last = 0
         for judged in grammars[k].as_read:
@@ -123,7 +123,7 @@ def match_kinds(grammars: Sequence[Grammar]) -> tuple[Grammar, ...]:
             tiles.append(Phrase(first + last, first + end, 0, judged.still))
             groups.append(kinds.index((k, judged.kind)))
             last = end
-    number, flipped = _matched(phrases.kinds_apart(_joined(coarse), tiles, groups), [k for k, _ in kinds])
+    number, flipped = _matched(phrases.kinds_apart(_joined(thinned), tiles, groups), [k for k, _ in kinds])
     # the longest of each kind was compared: what it is to the first of its recording, that one is to it
     longest = [
         max((p for p in grammars[k].as_read if p.kind == kind), key=lambda p: p.end - p.start) for k, kind in kinds
