@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import math
 from collections.abc import Callable
@@ -23,6 +24,7 @@ from kinesics.synthesis.goals import (
     Heading,
     MovingTarget,
     Novelty,
+    Onwards,
     OwnFeature,
     Route,
     Situation,
@@ -363,6 +365,48 @@ def test_novelty_plays_no_path_more_often_than_needed() -> None:
     assert twice.most_plays <= 3
 
 
+def _loop() -> Network:
+    """A loop of .3 s, left and entered only .1 s after its jump back, and a way round of 2 s."""
+    net = floor_network(
+        [Path("in", 2, 0.0, 0.0), Path("back", 4, 0.0, 0.0), Path("round", 40, 0.0, 0.0)],
+        {"in": ["back", "round"], "back": ["in"], "round": ["in"]},
+    )
+    cost = net.cost.copy()
+    cost[net.edges(0, 1)] = 0.0
+    return dataclasses.replace(net, cost=cost)
+
+
+def test_no_loop_is_a_prison() -> None:
+    """A loop whose jump back is followed too soon by its only way out is left for good, but for what is novel there."""
+    net = _loop()
+    course = perform_paths(net, [Novelty(), Onwards()], 60.0, start=0)
+    share = np.bincount(course.paths, minlength=3) * net.duration / course.seconds
+    assert share[2] > 0.8
+    assert not np.any(course.paths[1:] == course.paths[:-1])
+
+
+def test_what_is_played_long_is_no_less_novel_than_what_is_played_often() -> None:
+    """Frames count, not paths: a loop of .25 s has no more of the time than its frames are of all frames, or a little."""
+    net = floor_network([Path("loop", 5, 0.0, 0.0), Path("long", 60, 0.0, 0.0), Path("other", 35, 0.0, 0.0)])
+    course = perform_paths(net, Novelty(), 60.0, beta=np.inf, hold=0.0)
+    share = np.bincount(course.paths, minlength=3) * net.duration / course.seconds
+    assert share[0] < 0.1
+
+
+def test_coming_back_at_once_costs_the_more_the_sooner() -> None:
+    """By itself in the chain or to what was played before; from a second on it costs nothing."""
+    net = floor_network([Path(f"p{k}", frames, 0.0, 0.0) for k, frames in enumerate((4, 6, 12, 30))])
+    ready = prospects(net, 2.0)
+    pursuit = Onwards().pursuit(net, ready)
+    never = Situation(last_played=np.full(4, -np.inf), plays=np.zeros(4, dtype=np.intp))
+    costs = [pursuit.chain(chain, never) for chain in ([0, 0, 3], [0, 1, 0, 3], [0, 2, 0, 3], [0, 3, 0, 3])]
+    assert costs == sorted(costs, reverse=True)
+    assert costs[2] > costs[3] == 0.0
+    lately = dataclasses.replace(never, time=5.0, last_played=np.array([-np.inf, 4.5, -np.inf, 3.5]))
+    assert pursuit.chain([0, 3], lately) == 0.0
+    assert pursuit.chain([1, 3], lately) > pursuit.chain([0, 1, 3], lately) > 0.0
+
+
 def test_economy_stays_in_the_recording(net: Network, ready: Prospects) -> None:
     """Where going on costs nothing, nothing else is done."""
     course = perform_paths(net, Economy(), 20.0, prepared=ready, start=LEFT)
@@ -405,7 +449,7 @@ def test_a_feature_of_ones_own(net: Network, ready: Prospects) -> None:
     assert np.mean(late == RIGHT) > 0.8
 
 
-@pytest.mark.parametrize("goal", [Economy(), Novelty(), Favour("B"), OwnFeature(Leftwards())])
+@pytest.mark.parametrize("goal", [Economy(), Novelty(), Onwards(), Favour("B"), OwnFeature(Leftwards())])
 def test_a_chain_of_paths_is_weighed_as_in_the_bundle(net: Network, ready: Prospects, goal: Goal) -> None:
     """What is planned and what the bundle offers are measured alike."""
     controller = Controller(net, goal, prepared=ready, start=LEFT)
@@ -503,6 +547,7 @@ def test_what_was_not_reached_is_said(net: Network, ready: Prospects) -> None:
         (lambda: Heading(math.inf), "`heading`"),
         (lambda: Speed(-1.0), "speed"),
         (lambda: Novelty(forget=0.0), "`forget`"),
+        (lambda: Onwards(within=0.0), "`within`"),
         (lambda: StateToState("A", "B", by="hops"), "seconds, cost"),
         (lambda: StateToState("A", ""), "name of a state, got an empty one"),
         (lambda: Targets(3), "`positions`.*got 3"),

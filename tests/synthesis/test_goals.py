@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -26,10 +25,9 @@ from kinesics.synthesis.goals import (
     Target,
     TrailPursuit,
 )
-from kinesics.synthesis.goals.favours import SOON
 from kinesics.synthesis.goals.measured import _Measured
 from kinesics.synthesis.network import Network, network
-from kinesics.synthesis.prospects import prospects
+from kinesics.synthesis.prospects import SOON, prospects
 from kinesics.synthesis.repertoire import repertoire
 
 AHEAD, STAND = 0, 3
@@ -49,17 +47,22 @@ class Standing:
 
 @pytest.mark.parametrize("lookahead", [0.0, 1.0, 3.0])
 def test_what_comes_late_counts_less(lookahead: float) -> None:
-    """A path counts e times less for every `SOON`-th part of the lookahead that it comes later; without one all count alike."""
+    """A frame counts e times less for every `SOON`-th part of the lookahead that it comes later; without one all count alike."""
     net = walker()
     pursuit = OwnFeature(Standing()).pursuit(net, prospects(net, lookahead))
     now = Situation()
     first, second = float(net.duration[STAND]), float(net.duration[AHEAD])
-    faded = [math.exp(-SOON * begins / lookahead) if lookahead else 1.0 for begins in (first, second)]
-    at_once = first / (first + second * faded[0])
-    later = first * faded[1] / (second + first * faded[1])
+
+    def count(begin: float, end: float) -> float:
+        """Of all frames from one second to another, each by itself."""
+        middles = begin + (end - begin) * (np.arange(10_000) + 0.5) / 10_000
+        return float(np.exp(-SOON * middles / lookahead).mean() * (end - begin)) if lookahead else end - begin
+
+    at_once = count(0.0, first) / count(0.0, first + second)
+    later = count(second, second + first) / count(0.0, first + second)
     expected = (later / at_once) ** 2
     got = pursuit.chain([AHEAD, STAND], now) / pursuit.chain([STAND, AHEAD], now)
-    assert got == pytest.approx(expected, rel=1e-9)
+    assert got == pytest.approx(expected, rel=1e-6)
     assert expected < 1.0 or not lookahead
 
 

@@ -114,6 +114,23 @@ def test_first_jump_is_when_a_recording_is_left(network: Network, ahead: Prospec
         assert got == pytest.approx(expected) if np.isfinite(expected) else got >= 1e6
 
 
+def test_what_comes_twice_in_a_composite_is_known(network: Network, ahead: Prospects) -> None:
+    """For every path how long ago it began before, and how much its frames count, as found one by one."""
+    rows = slice(int(ahead.start[2]), int(ahead.start[5]))
+    again, shares = ahead.again(rows), ahead.shares(rows)
+    assert np.isfinite(again).any()
+    for row, sequence in enumerate(ahead.sequence[rows]):
+        began: dict[int, float] = {}
+        time = 0.0
+        for column, path in enumerate(sequence[sequence >= 0].tolist()):
+            assert again[row, column] == pytest.approx(time - began.get(path, -np.inf), rel=1e-5)
+            began[path] = time
+            time += network.duration[path]
+        assert np.isinf(again[row, (sequence >= 0).sum() :]).all()
+        assert shares[row].sum() == pytest.approx(1.0, rel=1e-5)
+        assert not shares[row, sequence < 0].any()
+
+
 def test_the_same_seed_gives_the_same_bundle(network: Network) -> None:
     """Nothing depends on anything but network and seed; another seed gives another bundle."""
     small = floor_network([Path(f"p{k}", 4, 0.1 * k, 0.3 * k - 1.0) for k in range(8)])

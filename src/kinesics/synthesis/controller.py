@@ -33,7 +33,7 @@ from kinesics.errors import InputError
 from kinesics.synthesis import ways
 from kinesics.synthesis.goals import Feature, Goal, OwnFeature, Pursuit, Situation, ToPlaces, TrailPursuit
 from kinesics.synthesis.goals.pursuit import listed
-from kinesics.synthesis.prospects import LOOKAHEAD, Prospects, Trail, Trails, prospects, trails
+from kinesics.synthesis.prospects import AT_ONCE, LOOKAHEAD, Prospects, Trail, Trails, prospects, trails
 
 if TYPE_CHECKING:
     from kinesics.synthesis.network import Network
@@ -47,6 +47,8 @@ BEND: Final = 5.0
 """Default greatest bend, degrees a metre: some 3.5° a step of walking."""
 HOLD: Final = 0.2
 """Seconds that a recording is kept before it is left again, where there is a choice."""
+TOO_SOON: Final = 1.0
+"""What leaving a recording sooner weighs, in squared spreads, where all else comes back at once: no loop is a prison."""
 OPENING: Final = 0.02
 """Where to begin is drawn by E to this power: so that other seeds begin otherwise, and none by standing about."""
 LONGEST: Final = 24 * 3600.0
@@ -378,7 +380,7 @@ class Controller:
         if stop is not None and goal is not None:
             self._braking = self._braking or goal.done(now) or stop.ends_at(now, goal)
             if self._braking:
-                return stop.next(now.path, self._rng)
+                return stop.next(now, self._rng)
         return None
 
     def _taken(self, row: _Row) -> tuple[int, float]:
@@ -408,8 +410,10 @@ class Controller:
         miss = self._misses(rows)
         if now.since_jump < self._hold:
             hasty = self.prospects.first_jump[rows] + now.since_jump < self._hold
-            if not hasty.all():
-                miss[hasty] = np.inf
+            if hasty.any() and not hasty.all():
+                # whoever can only go round and round has no choice
+                onward = ~hasty & (self.prospects.again(rows).min(axis=1) >= AT_ONCE)
+                miss[hasty] += np.inf if onward.any() else TOO_SOON
         return miss
 
     def _row(self, miss: Array) -> _Row:
@@ -664,13 +668,14 @@ class _Stop:
                 self._rest[path] = displacement[path] + np.exp(1j * turn[path]) * aside
         self._seconds = seconds
 
-    def next(self, path: int, rng: np.random.Generator) -> int:
-        """The successor from which a stance is reached soonest; within the stance any that stays in it."""
-        if self.still[path]:
-            may = self._network.successors(path)
+    def next(self, now: Situation, rng: np.random.Generator) -> int:
+        """The successor from which a stance is reached soonest; within the stance one that stays in it, not lately played."""
+        if self.still[now.path]:
+            may = self._network.successors(now.path)
             may = may[self.still[may]]
+            may = may[now.last_played[may] == now.last_played[may].min()]
             return int(may[rng.integers(len(may))])
-        return self._soonest(path)
+        return self._soonest(now.path)
 
     def _soonest(self, path: int) -> int:
         may = self._network.successors(path)

@@ -55,6 +55,10 @@ SECTOR: Final = np.pi / 8.0
 """Radians."""
 BEAT: Final = 0.75
 """Seconds."""
+AT_ONCE: Final = 1.0
+"""Seconds within which coming back to a moment is seen: a cycle of walking lasts as long, a bow or a wave longer."""
+SOON: Final = 4.0
+"""What a frame plays counts e times less for every such part of the lookahead that it comes later."""
 HASTY: Final = 1e4
 """Cost of a jump that comes too soon after another: more than any other."""
 NEVER: Final = 1e6
@@ -111,7 +115,11 @@ class Prospects:
     """Seconds until it first leaves a recording, `NEVER` if it does not: shape (rows,)."""
     rows: Indices
     """Those that may follow path ``i`` are ``rows[i]:rows[i + 1]``: shape (paths + 1,)."""
+    duration: Array
+    """Seconds of each path, shape (paths,)."""
     _to_go: dict[tuple[float, float], ToGo] = field(default_factory=dict, repr=False)
+    _again: dict[tuple[int, int], Floats] = field(default_factory=dict, repr=False)
+    _shares: dict[tuple[int, int], Floats] = field(default_factory=dict, repr=False)
 
     @cached_property
     def reach(self) -> float:
@@ -157,10 +165,55 @@ class Prospects:
             self._to_go[asked] = to_go(self.trail, self.rows, self.reach, *asked)
         return self._to_go[asked]
 
+    def begins(self, rows: slice) -> Floats:
+        """Seconds until each path of some composites begins: shape (rows, longest)."""
+        seconds = np.append(self.duration, 0.0)[self.sequence[rows]]
+        return np.asarray(np.cumsum(seconds, axis=1) - seconds, dtype=np.float32)
+
+    def again(self, rows: slice) -> Floats:
+        """Seconds since each path of some composites began before within the composite, infinite if it did not: shape (rows,
+        longest). Computed when first asked for.
+        """
+        asked = rows.start, rows.stop
+        if asked not in self._again:
+            order = np.argsort(self.sequence[rows], axis=1, kind="stable")
+            paths = np.take_along_axis(self.sequence[rows], order, axis=1)
+            begins = np.take_along_axis(self.begins(rows), order, axis=1)
+            since = np.full(begins.shape, np.inf, dtype=np.float32)
+            same = (paths[:, 1:] == paths[:, :-1]) & (paths[:, 1:] >= 0)
+            since[:, 1:][same] = np.diff(begins, axis=1)[same]
+            out = np.empty_like(since)
+            np.put_along_axis(out, order, since, axis=1)
+            self._again[asked] = out
+        return self._again[asked]
+
+    def shares(self, rows: slice) -> Floats:
+        """How much each path of some composites counts, together 1, what comes late counting less: shape (rows, longest).
+
+        If all counted alike, what is wished for could be put off from decision to decision. Computed when first asked for.
+        """
+        asked = rows.start, rows.stop
+        if asked not in self._shares:
+            seconds = np.append(self.duration, 0.0)[self.sequence[rows]]
+            self._shares[asked] = shares_of(seconds, self.lookahead).astype(np.float32)
+        return self._shares[asked]
+
     def along(self, rows: slice | Indices) -> Trail:
         """The trails of some rows."""
         times, *others = self.trail
         return Trail._make((times if len(times) == 1 else times[rows], *(values[rows] for values in others)))
+
+
+def shares_of(seconds: Array, lookahead: float) -> Array:
+    """How much each of some paths one after the other counts, together 1; of their durations, along the last axis.
+
+    Frames count the less the later they come, not paths: else one long path would count for more than many short ones.
+    """
+    if lookahead:
+        ends = np.cumsum(seconds, axis=-1)
+        fading = SOON / lookahead
+        seconds = np.exp(-fading * (ends - seconds)) - np.exp(-fading * ends)
+    return np.asarray(seconds / seconds.sum(axis=-1, keepdims=True), dtype=np.float64)
 
 
 def trails(network: Network) -> Trails:
@@ -401,6 +454,7 @@ def _sampled(
         cost=chains.cost.astype(np.float32),
         first_jump=chains.first_jump.astype(np.float32),
         rows=start[np.asarray(network.indptr)],
+        duration=np.asarray(network.duration, dtype=np.float64),
     )
 
 

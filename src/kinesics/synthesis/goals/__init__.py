@@ -14,11 +14,11 @@ and that a far target counts as one within reach in the same direction).
 - along a line: `Route` (routes.py)
 - how: `Heading`, `Speed` (manner.py)
 - by anything you can measure in a motion: `Measured` (measured.py)
-- by which paths: `Favour`, `Novelty`, `Economy`, `OwnFeature` (favours.py)
+- by which paths: `Favour`, `Novelty`, `Onwards`, `Economy`, `OwnFeature` (favours.py)
 - from state to state: `StateToState` (states.py)
 """
 
-from kinesics.synthesis.goals.favours import Economy, Favour, Novelty, OwnFeature
+from kinesics.synthesis.goals.favours import Economy, Favour, Novelty, Onwards, OwnFeature
 from kinesics.synthesis.goals.manner import Heading, Speed
 from kinesics.synthesis.goals.measured import Measured
 from kinesics.synthesis.goals.naming import paths_of, states_of
@@ -37,6 +37,7 @@ __all__ = [
     "Measured",
     "MovingTarget",
     "Novelty",
+    "Onwards",
     "OwnFeature",
     "Pursuit",
     "Route",

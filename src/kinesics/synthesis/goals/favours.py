@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from kinesics.errors import InputError
 from kinesics.synthesis import ways
-from kinesics.synthesis.goals.arguments import check_name, check_weight, is_number
+from kinesics.synthesis.goals.arguments import check_name, check_positive, check_weight, is_number
 from kinesics.synthesis.goals.naming import paths_of
 from kinesics.synthesis.goals.pursuit import Feature, Pursuit, Situation
-from kinesics.synthesis.prospects import Prospects
+from kinesics.synthesis.prospects import AT_ONCE, Prospects, shares_of
 
 if TYPE_CHECKING:
     from kinesics.synthesis.network import Network
@@ -24,11 +24,11 @@ Array = NDArray[np.float64]
 Floats = NDArray[np.float32]
 Mask = NDArray[np.bool_]
 
-SOON: Final = 4.0
-"""A property of a path counts e times less for every such part of the lookahead that the path comes later."""
 FAVOURABLE: Final = "what to favour: a class, label, state, phrase or recording"
 FORGET: Final = 30.0
 """Seconds after which a path that was played counts e times less as known."""
+LEAST_SPREAD: Final = 0.25
+"""Of what the transitions of composites cost, as a share of the mean."""
 
 
 @dataclass(frozen=True)
@@ -86,28 +86,100 @@ class Novelty:
 
 
 class _Fresh(Pursuit):
-    """Seconds of a composite that were played before, faded by the time since."""
+    """How often what a composite plays was played before, each time faded by the time since: the mean over its frames."""
 
     def __init__(self, network: Network, prospects: Prospects, goal: Novelty) -> None:
         self._duration = np.asarray(network.duration, dtype=np.float64)
         self._lookahead = prospects.lookahead
-        self._seconds = _soon(network, prospects)
-        self._sequence = prospects.sequence
+        self._all = prospects
         self._goal = goal
-        # no spread to take it from before anything was played: as if a path in two were known
-        self._scale = goal.weight / (float(np.mean(self._seconds.sum(axis=1))) / 2.0) ** 2
+        self._seconds = float(self._duration.sum())
+        self._weight = goal.weight
+        self._known: Array | None = None
+        self._since = 0.0
 
     def miss(self, rows: slice, now: Situation, bend: float) -> Array:
         if not now.plays.any():
             return np.zeros(rows.stop - rows.start)
-        known = now.plays * np.exp((now.last_played - now.time) / self._goal.forget)
-        seconds = (self._seconds[rows] * np.append(known, 0.0)[self._sequence[rows]]).sum(axis=1)
-        return np.asarray(self._scale * seconds**2, dtype=np.float64)
+        known = self._now_known(now)
+        played = (self._all.shares(rows) * np.append(known, 0.0)[self._all.sequence[rows]]).sum(axis=1)
+        return np.asarray(self._weight * (played / self._usual(known)) ** 2, dtype=np.float64)
 
     def chain(self, paths: Sequence[int], now: Situation) -> float:
-        played = list(paths)
-        known = now.plays[played] * np.exp((now.last_played[played] - now.time) / self._goal.forget)
-        return float(self._scale * (known @ _fading(self._duration[played], self._lookahead)) ** 2)
+        known = self._now_known(now)
+        played = known[list(paths)] @ shares_of(self._duration[list(paths)], self._lookahead)
+        return float(self._weight * (played / self._usual(known)) ** 2)
+
+    def _usual(self, known: Array) -> float:
+        """What is seen as well known: as if a frame in two were, and more where there is little to choose from."""
+        return 0.5 + float(known @ self._duration) / self._seconds
+
+    def note(self, now: Situation) -> None:
+        if self._known is None:
+            return
+        # what has just been played counts from its beginning on
+        self._known[now.path] += np.exp((now.last_played[now.path] - self._since) / self._goal.forget)
+
+    def _now_known(self, now: Situation) -> Array:
+        """How often each path was played, faded; of what was played before this was asked for the last time only is known."""
+        if self._known is None:
+            age = np.where(now.plays > 0, now.time - now.last_played, 0.0)
+            faded = np.exp(-age / self._goal.forget)
+            self._known, self._since = np.asarray(now.plays * faded, dtype=np.float64), now.time
+        if now.time > self._since:
+            self._known *= np.exp((self._since - now.time) / self._goal.forget)
+            self._since = now.time
+        return self._known
+
+
+@dataclass(frozen=True)
+class Onwards:
+    """Do not come back at once: to play a moment again within a second looks like a machine, the sooner the more.
+
+    Parameters
+    ----------
+    within : seconds from which on coming back costs nothing.
+    """
+
+    weight: float = 1.0
+    within: float = AT_ONCE
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        check_positive(self.within, "within")
+        check_weight(self.weight)
+
+    def pursuit(self, network: Network, prospects: Prospects) -> Pursuit:
+        """See `Goal`."""
+        return _Leaving(network, prospects, self)
+
+
+class _Leaving(Pursuit):
+    """By how much too soon a composite plays what was played lately, or twice within itself: the mean over its frames."""
+
+    def __init__(self, network: Network, prospects: Prospects, goal: Onwards) -> None:
+        self._duration = np.asarray(network.duration, dtype=np.float64)
+        self._lookahead = prospects.lookahead
+        self._all = prospects
+        self._goal = goal
+
+    def miss(self, rows: slice, now: Situation, bend: float) -> Array:
+        age = now.time - now.last_played[self._all.sequence[rows]]
+        since = np.minimum(self._all.begins(rows) + age, self._all.again(rows))
+        soon = np.maximum(1.0 - since / self._goal.within, 0.0)
+        return np.asarray(self._goal.weight * (self._all.shares(rows) * soon).sum(axis=1) ** 2, dtype=np.float64)
+
+    def chain(self, paths: Sequence[int], now: Situation) -> float:
+        seconds = self._duration[list(paths)]
+        soon = np.zeros(len(seconds))
+        began: dict[int, float] = {}
+        time = 0.0
+        for k, path in enumerate(paths):
+            since = time - began.get(path, float(now.last_played[path]) - now.time)
+            soon[k] = max(1.0 - since / self._goal.within, 0.0)
+            began[path] = time
+            time += float(seconds[k])
+        return float(self._goal.weight * (shares_of(seconds, self._lookahead) @ soon) ** 2)
 
 
 @dataclass(frozen=True)
@@ -130,7 +202,9 @@ class _Thrifty(Pursuit):
 
     def __init__(self, network: Network, prospects: Prospects, weight: float) -> None:
         self._network = network
-        self._scale = weight / (float(np.var(prospects.cost)) or 1.0)
+        # where all cost about alike, nothing is to be had by counting what they differ in
+        spread = max(float(np.std(prospects.cost)), LEAST_SPREAD * float(np.mean(prospects.cost)))
+        self._scale = weight / (spread**2 or 1.0)
         self._miss = self._scale * np.asarray(prospects.cost, dtype=np.float64) ** 2
         self._costs: dict[tuple[int, int], float] = {}
 
@@ -174,12 +248,11 @@ class OwnFeature:
 
 class _Valued(Pursuit):
     def __init__(self, network: Network, prospects: Prospects, values: Array, feature: Feature, name: str) -> None:
-        seconds = _soon(network, prospects)
+        shares = prospects.shares(slice(0, len(prospects.sequence)))
         self._duration = np.asarray(network.duration, dtype=np.float64)
         self._lookahead, self._of_paths = prospects.lookahead, values
-        total = seconds.sum(axis=1)
         self._values = np.stack(
-            [(seconds * np.append(v, 0.0)[prospects.sequence]).sum(axis=1) / total for v in values.T], axis=1
+            [(shares * np.append(v, 0.0)[prospects.sequence]).sum(axis=1) for v in values.T], axis=1
         )
         spread = self._values.std(axis=0)
         self._spread = np.where(spread > 0.0, spread, 1.0)
@@ -190,8 +263,8 @@ class _Valued(Pursuit):
         return np.asarray(self._feature.weight * np.einsum("rd,rd->r", off, off), dtype=np.float64)
 
     def chain(self, paths: Sequence[int], now: Situation) -> float:
-        seconds = _fading(self._duration[list(paths)], self._lookahead)
-        off = (seconds @ self._of_paths[list(paths)] / seconds.sum() - self._wish(now)) / self._spread
+        shares = shares_of(self._duration[list(paths)], self._lookahead)
+        off = (shares @ self._of_paths[list(paths)] - self._wish(now)) / self._spread
         return float(self._feature.weight * off @ off)
 
     def _wish(self, now: Situation) -> Array:
@@ -201,18 +274,3 @@ class _Valued(Pursuit):
                 f"Expected `wish` of {self._name} to be {self._values.shape[1]} finite number(s), got {wish.tolist()}."
             )
         return wish
-
-
-def _soon(network: Network, prospects: Prospects) -> Floats:
-    """Seconds of each path of each composite, those that come late counting less: shape (rows, longest).
-
-    If they counted alike, what is wished for could be put off from decision to decision.
-    """
-    seconds = np.append(np.asarray(network.duration, dtype=np.float64), 0.0)[prospects.sequence]
-    return np.asarray(_fading(seconds, prospects.lookahead), dtype=np.float32)
-
-
-def _fading(seconds: Array, lookahead: float) -> Array:
-    """Durations of paths one after the other, along the last axis, less the later they come."""
-    begins = np.cumsum(seconds, axis=-1) - seconds
-    return seconds * np.exp(-SOON * begins / lookahead) if lookahead else seconds
