@@ -80,7 +80,78 @@ def test_a_second_movement_of_the_same_name_is_told_whose_provenance_lies_there(
     told = " ".join(got.err.split())
     assert "belongs to 'new.bvh'" in told
     assert "such as 'new-2.glb'" in told
+    assert "--out new.bvh --out new.glb" in told
     assert not (tmp_path / "new.glb").exists()
+
+
+def test_one_movement_in_several_formats(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
+    """In one call: the same movement in each, one provenance and one picture for a name; what is given twice is written once."""
+    (tmp_path / "sub").mkdir()
+    outs = ["new.bvh", "new.glb", "new.npz", "new.amc", "./new.bvh", "sub/new.npz"]
+    got = kinesics("perform", walk, "--seconds", "2", *(word for out in outs for word in ("--out", out)))
+    assert got.code == 0, got.err
+    beside = {"new.provenance.json", "new.png"}
+    assert files(tmp_path) == {"new.bvh", "new.glb", "new.npz", "new.amc", "new.asf", *beside} | {
+        f"sub/{name}" for name in ("new.npz", *beside)
+    }
+    assert [line for line in got.out.splitlines() if line.startswith(("Movement", "Where it", "Picture"))] == [
+        *(f"Movement: {Path(out)}" for out in ("new.bvh", "new.glb", "new.npz", "new.amc", "sub/new.npz")),
+        *(f"Where it comes from: {Path(out)}" for out in ("new.provenance.json", "sub/new.provenance.json")),
+        *(f"Picture: {Path(out)}" for out in ("new.png", "sub/new.png")),
+    ]
+    whole = kx.read(tmp_path / "new.npz")
+    for name in ("new.bvh", "new.glb", "new.amc"):
+        assert np.allclose(kx.read(tmp_path / name).root_positions, whole.root_positions, atol=1e-4)
+    (tmp_path / "alone").mkdir()
+    alone = kinesics("perform", walk, "--seconds", "2", "--out", "alone/new.glb")
+    assert alone.code == 0, alone.err
+    for name in ("new.glb", *beside):
+        assert (tmp_path / "alone" / name).read_bytes() == (tmp_path / name).read_bytes()
+
+
+@pytest.mark.parametrize("bad", ["new.mp4", "new", "nowhere/new.bvh", "there.npz", ".", "walk.bvh"])
+def test_of_several_outputs_none_is_left_where_one_cannot_be(
+    kinesics: Kinesics, walk: Path, tmp_path: Path, bad: str
+) -> None:
+    """Whichever it is; refused before any work."""
+    (tmp_path / "there.npz").write_text("mine")
+    (tmp_path / "walk.bvh").write_bytes(walk.read_bytes())
+    for outs in (("new.glb", bad), (bad, "new.glb")):
+        got = kinesics("perform", "walk.bvh", "--seconds", "1", "--out", outs[0], "--out", outs[1])
+        assert got.code == 2
+        assert Path(bad).name in got.err
+        assert files(tmp_path) == {"there.npz", "walk.bvh"}
+
+
+def test_a_format_that_fails_leaves_nothing_of_the_others(
+    kinesics: Kinesics, walk: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where it is found out only as it is written."""
+    from kinesics import formats
+
+    write = formats.write
+
+    def failing(motion: kx.Motion, path: Path, **how: object) -> tuple[str, ...]:
+        if path.suffix == ".glb":
+            raise kx.InputError("cannot be told in glTF")
+        return write(motion, path, **how)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(formats, "write", failing)
+    got = kinesics("perform", walk, "--seconds", "1", "--out", "new.bvh", "--out", "new.glb")
+    assert got.code == 2
+    assert "cannot be told" in got.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_skeleton_of_a_recording_is_not_written_over(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
+    """An .amc leaves an .asf: never in the place of the one that was read, whatever may be replaced."""
+    kx.write(kx.read(walk), tmp_path / "07.amc")
+    (tmp_path / "07.amc").rename(tmp_path / "07_01.amc")
+    before = (tmp_path / "07.asf").read_bytes()
+    got = kinesics("perform", "07_01.amc", "--seconds", "1", "--out", "07.amc", "--overwrite")
+    assert got.code == 2
+    assert "'07.asf' is one of the recordings" in got.err
+    assert (tmp_path / "07.asf").read_bytes() == before
 
 
 def test_how_near_counts_as_there(kinesics: Kinesics, walk: Path) -> None:
@@ -421,16 +492,15 @@ def test_ctrl_c_while_files_are_put_down_waits_until_all_are(
     kinesics: Kinesics, walk: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A movement without its provenance would be half a result."""
-    from kinesics import formats
+    replace = Path.replace
 
-    write = formats.write
-
-    def interrupted(*what: object, **how: object) -> tuple[str, ...]:
-        out = write(*what, **how)
-        signal.raise_signal(signal.SIGINT)
+    def interrupted(self: Path, target: Path) -> Path:
+        out = replace(self, target)
+        if Path(target).parent.resolve() == tmp_path.resolve():
+            signal.raise_signal(signal.SIGINT)
         return out
 
-    monkeypatch.setattr(formats, "write", interrupted)
+    monkeypatch.setattr(Path, "replace", interrupted)
     got = kinesics("perform", walk, "--out", "new.bvh", "--seconds", "1")
     assert got.code == 130
     assert files(tmp_path) == {"new.bvh", "new.provenance.json", "new.png"}

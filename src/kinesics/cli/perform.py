@@ -20,7 +20,7 @@ SUMMARY = "Make new movement from recordings."
 EXAMPLES = (
     ("kinesics perform walk.bvh --out new.bvh --target 2,4", "walks there"),
     ("kinesics perform a.amc b.amc --out new.glb --route eight.csv", "along a line"),
-    ("kinesics perform dance.bvh --out new.bvh --seconds 60", "never the same"),
+    ("kinesics perform dance.bvh --out new.bvh --out new.glb --seconds 60", "twice"),
     ("kinesics perform a.bvh --out new.bvh --from A --to 'B*'", "state to state"),
 )
 _PANEL = "What is performed"
@@ -37,9 +37,12 @@ def perform(
         list[Path], typer.Argument(metavar="FILE", show_default=False, help="Recordings to perform from; one will do.")
     ],
     out: Annotated[
-        Path | None,
+        list[Path] | None,
         typer.Option(
-            "--out", metavar="OUT", show_default=False, help="The new movement: .bvh, .amc (and .asf), .glb or .npz."
+            "--out",
+            metavar="OUT",
+            show_default=False,
+            help="The new movement: .bvh, .amc (and .asf), .glb or .npz; several times for several of them.",
         ),
     ] = None,
     target: Annotated[
@@ -200,18 +203,19 @@ def perform(
 
     Where nothing is to be gone for, it goes on for --seconds without repeating itself more than it must.
     Beside OUT are left OUT's provenance.json (where every frame comes from) and a picture of the way over the floor.
+    --out new.bvh --out new.glb share them.
     """
     from kinesics.report import performances
     from kinesics.synthesis.perform import performance
 
-    if out is None and not json:
+    if not out and not json:
         raise typer.BadParameter(
             "Say where the new movement goes, such as --out new.bvh (or ask for --json alone).", param_hint="--out"
         )
-    if out is not None:
-        for file in (*files, *([skeleton_of] if skeleton_of else [])):
-            if out.exists() and file.exists() and out.samefile(file):
-                raise InputError(f"'{out}' is one of the recordings; give the new movement another name.")
+    if out:
+        recording.check_none_of(
+            out, (*files, *([skeleton_of] if skeleton_of else []), *([skeleton] if skeleton else []))
+        )
         performances.check_output(out, overwrite=overwrite)
     place = None if target is None else _target(target)
     line = None if route is None else _route(route)
@@ -225,6 +229,7 @@ def perform(
             bar(0.15 * number / len(files), f"reading {file.name}")
             motions.append(reading.read(file))
         body = None if skeleton_of is None else reading.read(skeleton_of)
+        recording.check_none_of(out or (), map(recording.skeleton_beside, files, motions))
         piece = performance(
             motions,
             target=place,
@@ -247,7 +252,7 @@ def perform(
             edits=known_better,
             progress=bar.part(0.15, 0.8),
         )
-        if out is not None:
+        if out:
             saved = performances.save_performance(piece, out, overwrite=overwrite, progress=bar.part(0.8, 1.0))
     if json:
         terminal.print_json(piece.to_dict())
@@ -414,6 +419,9 @@ def _say_where(saved: Saved, say: object) -> None:
     assert callable(say)
     for remark in saved.remarks:
         terminal.remark(remark)
-    say(f"Movement: {saved.motion}")
-    say(f"Where it comes from: {saved.provenance}")
-    say(f"Picture: {saved.picture}")
+    for motion in saved.motions:
+        say(f"Movement: {motion}")
+    for provenance in saved.provenances:
+        say(f"Where it comes from: {provenance}")
+    for picture in saved.pictures:
+        say(f"Picture: {picture}")

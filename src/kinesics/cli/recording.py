@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -93,6 +93,29 @@ class Reading:
         return formats.read(
             file, skeleton=self.skeleton, unit=self.unit, up=self.up, fps=self.fps, mapping=self.mapping()
         )
+
+
+def check_none_of(outs: Iterable[Path], files: Iterable[Path | None]) -> None:
+    """Refuse to write where something is read from, whatever may be replaced.
+
+    Raises
+    ------
+    InputError
+        If an output, or the .asf beside an .amc, is one of the files.
+    """
+    from kinesics.errors import InputError
+
+    read = [file for file in files if file is not None and file.exists()]
+    for out in outs:
+        for written in (out, *([out.with_suffix(".asf")] if out.suffix.lower() == ".amc" else [])):
+            if written.exists() and any(written.samefile(file) for file in read):
+                raise InputError(f"'{written}' is one of the recordings; give the new movement another name.")
+
+
+def skeleton_beside(file: Path, motion: Motion) -> Path | None:
+    """The file of the skeleton that was found beside a recording; None where there is none."""
+    name = motion.source.details.get("skeleton_file")
+    return None if name is None else file.with_name(str(name))
 
 
 def edits_beside(file: Path) -> Path | None:

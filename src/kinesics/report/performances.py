@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
-from collections.abc import Callable
+import shutil
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
@@ -30,11 +33,16 @@ IN_PLACE: Final = 1.0
 class Saved(NamedTuple):
     """What `save_performance` left."""
 
-    motion: Path
-    provenance: Path
-    picture: Path
+    motions: tuple[Path, ...]
+    provenances: tuple[Path, ...]
+    """One for all movements of a name."""
+    pictures: tuple[Path, ...]
     remarks: tuple[str, ...]
-    """What the format could not hold."""
+    """What the formats could not hold."""
+
+
+Paths = str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
+"""Of a file, or of several: the same movement in other formats or under other names."""
 
 
 def files_of(path: str | os.PathLike[str]) -> tuple[Path, Path, Path]:
@@ -43,7 +51,7 @@ def files_of(path: str | os.PathLike[str]) -> tuple[Path, Path, Path]:
     return target, target.with_name(f"{target.stem}.provenance.json"), target.with_name(f"{target.stem}.png")
 
 
-def check_output(path: str | os.PathLike[str], *, overwrite: bool = False) -> None:
+def check_output(paths: Paths, *, overwrite: bool = False) -> None:
     """Refuse, before any work is done, what could not be written afterwards.
 
     Raises
@@ -51,9 +59,31 @@ def check_output(path: str | os.PathLike[str], *, overwrite: bool = False) -> No
     MissingExtraError
         If a film is wished for.
     InputError
-        If the suffix belongs to no format, the folder does not exist, or a file is there and may not be replaced.
+        If a suffix belongs to no format, a folder does not exist, or a file is there and may not be replaced.
     """
-    target, *beside = files_of(path)
+    targets = _targets(paths)
+    for target in targets:
+        _check_suffix(target)
+    for target in targets:
+        if not target.parent.is_dir():
+            raise FileError(target, "The folder to write to does not exist.", hint="Make it first.")
+        if not os.access(target.parent, os.W_OK | os.X_OK):
+            raise FileError(target, "Nothing may be written to this folder.", hint="Give another.")
+        _check_free(target, targets, overwrite)
+
+
+def _targets(paths: Paths) -> list[Path]:
+    """Each file once."""
+    several = [paths] if isinstance(paths, str | os.PathLike) else list(paths)
+    if not several:
+        raise InputError("Expected a file to write the movement to, got none.")
+    once: dict[str, Path] = {}
+    for path in several:
+        once.setdefault(os.path.abspath(path), Path(path))
+    return list(once.values())
+
+
+def _check_suffix(target: Path) -> None:
     works = " ".join(s for f in formats.writable() for s in f.suffixes if s != ".asf")
     suffix = target.suffix.lower()
     if suffix in FILMS:
@@ -61,6 +91,8 @@ def check_output(path: str | os.PathLike[str], *, overwrite: bool = False) -> No
             f"'{target.name}': films are not made yet; they will need the `video` extra (pip install 'kinesics[video]'). "
             f"A movement can be written now as: {works}. A picture of it is left beside each."
         )
+    if target.is_dir():
+        raise InputError(f"'{target}' is a folder; give the name of a file in it, such as '{target / 'new.bvh'}'.")
     if not any(suffix in f.suffixes for f in formats.writable()):
         raise InputError(
             f"'{target.name}' does not say in which format to write. Expected a name that ends in one of: {works}."
@@ -69,68 +101,91 @@ def check_output(path: str | os.PathLike[str], *, overwrite: bool = False) -> No
         raise InputError(
             f"'{target.name}' would be a skeleton alone. Give '{target.stem}.amc': the .asf is left beside it."
         )
-    if not target.parent.is_dir():
-        raise FileError(target, "The folder to write to does not exist.", hint="Make it first.")
+
+
+def _check_free(target: Path, targets: Sequence[Path], overwrite: bool) -> None:
+    """Refuse what is there already."""
+    _, *beside = files_of(target)
+    suffix = target.suffix.lower()
     more = [target.with_suffix(".asf")] if suffix == ".amc" else []
     for there in (target, *more, *beside):
         if there.is_dir():
             raise InputError(f"'{there}' is a folder; give another name.")
         if there.exists() and not overwrite:
-            whose = _movement_of(there, target) if there in beside else None
+            whose = _movement_of(there, targets) if there in beside else None
             if whose is not None:
                 raise InputError(
                     f"'{there.name}' is there already, in '{there.parent}', and belongs to '{whose}': '{target.name}' would "
-                    f"leave its own in its place. Nothing was performed. Give another name, such as '{target.stem}-2{suffix}', or "
-                    "--overwrite."
+                    f"leave its own in its place. Nothing was performed. Give another name, such as '{target.stem}-2{suffix}', "
+                    f"or --overwrite; one movement in several formats is --out {whose} --out {target.name}."
                 )
             raise InputError(
                 f"'{there.name}' is there already, in '{there.parent}'; nothing was performed. Give another name, or --overwrite."
             )
 
 
-def _movement_of(beside: Path, target: Path) -> str | None:
-    """The other movement of that stem, beside which a file lies; None where there is none."""
-    others = (beside.with_name(f"{target.stem}{s}") for f in formats.writable() for s in f.suffixes if s != ".asf")
-    return next((other.name for other in others if other != target and other.exists()), None)
+def _movement_of(beside: Path, targets: Sequence[Path]) -> str | None:
+    """Another movement of that name, beside which a file lies; None where there is none."""
+    stem = beside.name.removesuffix(".provenance.json").removesuffix(".png")
+    others = (beside.with_name(f"{stem}{s}") for f in formats.writable() for s in f.suffixes if s != ".asf")
+    return next((other.name for other in others if other not in targets and other.exists()), None)
 
 
-def save_performance(
-    piece: Piece, path: str | os.PathLike[str], *, overwrite: bool = False, progress: Progress = silent
-) -> Saved:
-    """Write the movement in the format of the suffix; beside it its provenance (JSON) and its picture (PNG).
+def save_performance(piece: Piece, paths: Paths, *, overwrite: bool = False, progress: Progress = silent) -> Saved:
+    """Write the movement in the format of each suffix; beside it its provenance (JSON) and its picture (PNG).
 
-    All is made before the first file is put down, so that stopping half-way leaves nothing half-written. In .npz the provenance
-    of every frame is also in the file itself (`kinesics.formats.read_extras`).
+    Files of one name in one folder, such as new.bvh and new.glb, share both. All is made before the first file is put down, so
+    that stopping half-way leaves nothing half-written. In .npz the provenance of every frame is also in the file itself
+    (`kinesics.formats.read_extras`).
 
     Raises
     ------
     MissingExtraError, InputError
         See `check_output`.
     """
-    check_output(path, overwrite=overwrite)
-    target, provenance, image = files_of(path)
+    check_output(paths, overwrite=overwrite)
+    targets = _targets(paths)
     progress(0.0, "drawing")
     drawn = figure_bytes(picture(piece), ".png")
     told = provenance_json(piece).encode()
-    progress(0.6, f"writing {target.name}")
-    extras = piece.extras() if target.suffix.lower() == ".npz" else None
     remarks: list[str] = []
+    with contextlib.ExitStack() as stack:
+        made: list[tuple[Path, Path]] = []
+        for number, target in enumerate(targets):
+            progress(0.6 + 0.4 * number / len(targets), f"writing {target.name}")
+            room = stack.enter_context(_room_beside(target))
+            extras = piece.extras() if target.suffix.lower() == ".npz" else None
+            said = formats.write(piece.motion, room / target.name, extras=extras)
+            remarks += said if len(targets) == 1 else [f"{target.name}: {line}" for line in said]
+            _, provenance, image = files_of(target)
+            for file, data in ((provenance, told), (image, drawn)):
+                (room / file.name).write_bytes(data)
+            made += [(file, target.with_name(file.name)) for file in sorted(room.iterdir())]
 
-    def install() -> None:
-        remarks.extend(formats.write(piece.motion, target, overwrite=overwrite, extras=extras))
-        for file, data in ((provenance, told), (image, drawn)):
-            part = file.with_name(f".{file.name}.part")
-            try:
-                part.write_bytes(data)
-                part.replace(file)
-            except OSError as error:
-                raise FileError(file, f"The file cannot be written: {error.strerror or error}.") from None
-            finally:
-                part.unlink(missing_ok=True)
+        def install() -> None:
+            for file, place in made:
+                try:
+                    file.replace(place)
+                except OSError as error:
+                    raise FileError(place, f"The file cannot be written: {error.strerror or error}.") from None
 
-    _unstopped(install)
+        _unstopped(install)
     progress(1.0, "saved")
-    return Saved(target, provenance, image, tuple(remarks))
+    provenances, pictures = (tuple(dict.fromkeys(files_of(target)[k] for target in targets)) for k in (1, 2))
+    return Saved(tuple(targets), provenances, pictures, tuple(remarks))
+
+
+@contextlib.contextmanager
+def _room_beside(target: Path) -> Iterator[Path]:
+    """A folder beside a file, where it and what belongs to it is made; gone afterwards."""
+    try:
+        room = Path(tempfile.mkdtemp(prefix=f".{target.stem[:40]}.", suffix=".part", dir=target.parent))
+    except OSError as error:
+        raise FileError(target, f"The file cannot be written: {error.strerror or error}.") from None
+    try:
+        yield room
+    finally:
+        shutil.rmtree(room, ignore_errors=True)
 
 
 def _unstopped(work: Callable[[], None]) -> None:
