@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.body.pose import PoseSequence
+from kinesics.body.runs import runs
 from kinesics.geometry import quaternion
 from kinesics.similarity import Weights, check_weights, chord, distance
 from kinesics.similarity.metric import Frames, paired_distance
@@ -102,7 +103,7 @@ def find_stillness(
     half = span // 2
     near &= _apart(q[: frames - span], q[half : frames - span + half], share) <= rule.epsilon
     found: list[tuple[int, int]] = []
-    for first, last in _runs(near):
+    for first, last in runs(near):
         found.extend(_stretches(q, first, last + span, span, rule.epsilon, share))
     return _without_overlap(found)
 
@@ -204,9 +205,3 @@ def _pace(poses: PoseSequence, epsilon: float, weights: Array) -> float | None:
 def _apart(a: Array, b: Array, weights: Array) -> Array:
     """√(2D) between frame k of both."""
     return chord(paired_distance(a, b, weights))
-
-
-def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Ranges [start, end) where the mask is true."""
-    edges = np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8))
-    return list(zip(np.flatnonzero(edges > 0).tolist(), np.flatnonzero(edges < 0).tolist(), strict=True))

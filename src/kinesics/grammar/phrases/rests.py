@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from kinesics.body.runs import runs
 from kinesics.grammar.moments import Moments
 from kinesics.grammar.ranges import STILL
 from kinesics.similarity import chord
@@ -38,8 +39,7 @@ def rests(coarse: Moments, by_lag: Floats) -> list[tuple[int, int]]:
     still = np.zeros(n, dtype=np.bool_)
     for t in np.flatnonzero(near):
         still[t : t + span + 1] = True
-    edges = np.diff(np.concatenate([[False], still, [False]]).astype(np.int8))
-    return [(int(a), int(b)) for a, b in zip(np.flatnonzero(edges > 0), np.flatnonzero(edges < 0), strict=True)]
+    return runs(still)
 
 
 def sway(coarse: Moments) -> float:

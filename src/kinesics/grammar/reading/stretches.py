@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics import compiled
+from kinesics.body.runs import runs
 from kinesics.grammar.moments import Moments
 
 Array = NDArray[np.float64]
@@ -37,9 +38,7 @@ def cut_at(stretches: Iterable[tuple[int, int]], breaks: Sequence[int]) -> Itera
 
 def below(row: Floats, limit: float) -> list[tuple[int, int]]:
     """[start, end) of each stretch of values below a limit."""
-    inside = np.concatenate([[False], row < limit, [False]])
-    edges = np.flatnonzero(inside[1:] != inside[:-1])
-    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
+    return runs(row < limit)
 
 
 def spaced(start: int, end: int) -> NDArray[np.intp]:
