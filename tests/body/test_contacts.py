@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import kinesics as kx
 from kinesics import compiled
-from kinesics.body import contacts
+from kinesics.body import contacts, touching
 from kinesics.body.skeleton import EndSite, Skeleton
 from kinesics.errors import SkeletonError
 from kinesics.geometry import quaternion
@@ -109,7 +109,7 @@ def test_soles_compiled_and_plain_are_at_one_place(monkeypatch: pytest.MonkeyPat
 @given(st.lists(st.floats(-1.0, 1.0), min_size=1, max_size=30), st.floats(0.0, 1.0))
 def test_quantiles_of_what_is_in_order_are_numpys(values: list[float], share: float) -> None:
     """Between two values they lie as far as NumPy's, and at the ends."""
-    found = contacts._sorted_quantile(np.sort(values), share)
+    found = touching.sorted_quantile(np.sort(values), share)
     assert found == pytest.approx(np.quantile(values, share), abs=1e-12)
 
 
@@ -127,7 +127,7 @@ def test_hysteresis_is_that_of_the_twin(frames: list[tuple[bool, bool]]) -> None
     """Between the two thresholds a contact holds in both directions of time."""
     on = [a and b for a, b in frames]
     stay = [b for _, b in frames]
-    got = contacts._hysteresis(np.array(on)[:, None], np.array(stay)[:, None])[:, 0]
+    got = touching.hysteresis(np.array(on)[:, None], np.array(stay)[:, None])[:, 0]
     assert got.tolist() == naive.hysteresis(on, stay)
 
 
