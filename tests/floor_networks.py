@@ -48,6 +48,8 @@ class Floor:
             starts.append(len(places))
         self.places, self.yaws, self.starts = np.array(places), np.array(yaws), np.array(starts)
         self.frame_count = len(places)
+        self.source_fps = (fps,) * len(paths)
+        self.source_frames = np.concatenate([np.arange(path.frames + 1.0) for path in paths])
 
     def advance(self, moments: Any, steps: Any = 1) -> Any:
         return np.asarray(moments) + np.asarray(steps)
@@ -60,6 +62,9 @@ class Floor:
 
     def frame_of(self, moments: Any) -> Any:
         return np.asarray(moments)
+
+    def strand_of(self, moments: Any) -> Any:
+        return np.zeros_like(np.asarray(moments))
 
     def recording_of(self, frames: Any) -> Any:
         return np.searchsorted(self.starts, np.asarray(frames), side="right") - 1

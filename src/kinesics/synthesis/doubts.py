@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.errors import some_of
+from kinesics.synthesis import rounds
 from kinesics.synthesis.checking import ROUNDING, SLIDE, SUNK, Slid
 from kinesics.synthesis.piece import Piece
 from kinesics.synthesis.prospects import Prospects
@@ -17,6 +18,8 @@ from kinesics.synthesis.wish import HARDLY, MOST_SECONDS, SPARE, Wish
 
 REPEATED: Final = 5.0
 """Times that every moment comes, from which it is said that there is little to choose from."""
+ROUND_AND_ROUND: Final = 2.0
+"""Seconds in one loop of less than a second, from which it is told."""
 SHORT: Final = 0.25
 """Seconds of a way from state to state, below which hardly anything of it is to be seen."""
 NEAR_CUT: Final = 0.3
@@ -34,6 +37,7 @@ def doubts(piece: Piece, wish: Wish, ahead: Prospects, most: float, seconds: flo
     said = (
         _unused(piece),
         _repeated(piece, wish),
+        _round_and_round(piece),
         _missed(piece, wish, ahead, most, seconds),
         _short(piece, wish),
         *_slid(piece),
@@ -56,11 +60,37 @@ def _repeated(piece: Piece, wish: Wish) -> str:
     times = piece.motion.duration / piece.network.seconds
     if wish.ends or times < REPEATED:
         return ""
+    often = often_played(piece)
     return (
-        f"every moment comes about {times:.0f} times: only {piece.network.seconds:.1f} s can be performed"
+        f"every moment comes about {times:.0f} times"
+        + (f", {often}" if often else "")
+        + f": only {piece.network.seconds:.1f} s can be performed"
         f"{', mirror images counted' if piece.parameters['mirrored'] else ''}; give longer recordings, or more that are like "
         "one another"
     )
+
+
+def often_played(piece: Piece) -> str:
+    """What is played far more often than the rest, and how often; empty where nothing is."""
+    most = rounds.played_most(piece.course, piece.network)
+    return f"{_frames(piece, most)} {most.times} times" if most else ""
+
+
+def _round_and_round(piece: Piece) -> str:
+    """A loop too short not to be seen."""
+    loop = rounds.longest_loop(piece.course, piece.network)
+    if loop is None or loop.seconds < ROUND_AND_ROUND:
+        return ""
+    return (
+        f"{loop.seconds:.1f} of {piece.motion.duration:.1f} s stay in a loop of {loop.period:.2g} s: {_frames(piece, loop)}, "
+        f"{loop.rounds} times; no other way on was found from there, or none that serves what is wished for; give longer "
+        "recordings, or more that are like them"
+    )
+
+
+def _frames(piece: Piece, stretch: rounds.Loop | rounds.Often) -> str:
+    where = f"frames {stretch.first}–{stretch.end - 1}"
+    return where if len(piece.sources) == 1 else f"{where} of {piece.sources[stretch.recording].name}"
 
 
 def _missed(piece: Piece, wish: Wish, ahead: Prospects, most: float, seconds: float | None) -> str:
