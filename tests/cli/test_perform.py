@@ -289,6 +289,49 @@ def test_too_few_frames_are_told(kinesics: Kinesics, walk: Path, tmp_path: Path,
     assert files(tmp_path) == {"short.bvh"}
 
 
+def test_a_single_pose_beside_others_is_left_out(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
+    """Told among what is doubtful; the others are performed as without it, also where it comes first."""
+    kx.write(kx.read(walk)[0], tmp_path / "pose.bvh")
+    made = []
+    for given in (("pose.bvh", walk), (walk, "pose.bvh"), (walk,)):
+        got = kinesics("perform", *given, "--seconds", "1", "--out", "new.npz", "--overwrite")
+        assert got.code == 0, got.err
+        assert ("doubtful: pose.bvh is left out: a single pose" in got.out) == (len(given) == 2)
+        facts = json.loads((tmp_path / "new.provenance.json").read_text(encoding="utf-8"))
+        assert [s["name"] for s in facts["sources"]] == ["walk.bvh"]
+        made.append(kx.read(tmp_path / "new.npz").rotations.tobytes())
+    assert made[0] == made[1] == made[2]
+    got = kinesics("perform", "pose.bvh", "pose.bvh", "--seconds", "1", "--out", "new.npz", "--overwrite")
+    assert got.code == 2
+    assert "pose is a single pose" in got.err
+
+
+def test_all_that_cannot_be_used_is_named_at_once(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
+    """Files that cannot be read or understood are an error, with a way to go on; without them it goes on, and says so."""
+    (tmp_path / "cut.bvh").write_text(walk.read_text(encoding="utf-8")[:3000], encoding="utf-8")
+    motion = kx.read(walk)
+    pole = kx.Skeleton(("root", "tip"), (-1, 0), np.array([[0.0, 0.0, 0.0], [0.0, 1.0, 0.0]]), ())
+    kx.write(kx.Motion(pole, motion.rotations[:, :2], motion.root_positions, 30.0), tmp_path / "pole.npz")
+    given = ("perform", "cut.bvh", walk, "pole.npz", "none.bvh", "--seconds", "1")
+    got = kinesics(*given, "--out", "new.bvh")
+    assert got.code == 2
+    assert "3 of 4 recordings cannot be used" in got.err
+    assert "--skip-unusable" in got.err
+    for said in ("cut.bvh, line", "pole.npz: ", "none.bvh: "):
+        assert said in got.err
+    assert files(tmp_path) == {"cut.bvh", "pole.npz"}
+    got = kinesics(*given, "--out", "new.bvh", "--skip-unusable")
+    assert got.code == 0, got.err
+    told = json.loads((tmp_path / "new.provenance.json").read_text(encoding="utf-8"))["output"]["warnings"]
+    for file, said in zip(("cut", "pole", "none"), told, strict=False):
+        assert said.startswith(f"left out: {file}")
+        assert said in got.err
+    got = kinesics("perform", "cut.bvh", "none.bvh", "--skip-unusable", "--out", "again.bvh")
+    assert got.code == 2
+    assert "2 of 2 recordings cannot be used" in got.err
+    assert "--skip" not in got.err
+
+
 @pytest.mark.parametrize("suffix", ["bvh", "amc"])
 @pytest.mark.parametrize("how", ["bom", "crlf", "utf-16"])
 def test_files_of_other_editors_are_performed_alike(

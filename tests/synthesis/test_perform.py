@@ -71,6 +71,18 @@ def test_it_starts_facing_ahead(walks: list[kx.Motion]) -> None:
     assert abs(float(first.yaw[0])) < 0.1
 
 
+def test_what_nothing_can_be_performed_of_is_left_out_where_others_are(walks: list[kx.Motion]) -> None:
+    """Single poses and too few frames a second, first or last: a warning each, and the same movement as without."""
+    pose, slow = walks[1][3].replace(name="pose"), walks[0].resample(5).replace(name="slow")
+    alone = kx.perform(walks, seconds=2)
+    new = kx.perform([pose, *walks, slow], seconds=2)
+    assert np.array_equal(new.rotations, alone.rotations)
+    assert [line.partition(":")[0] for line in new.warnings] == ["pose is left out", "slow is left out"]
+    assert not alone.warnings
+    with pytest.raises(InputError, match="single pose"):
+        kx.perform([pose, pose.replace(name="other")], seconds=2)
+
+
 def test_the_same_seed_gives_the_same_movement(walks: list[kx.Motion]) -> None:
     """To the last bit; another seed another."""
     first, again, other = (kx.perform(walks, seconds=4, seed=seed) for seed in (7, 7, 8))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -192,6 +193,12 @@ def perform(
             help="Your names for --from, --to and --favour; FILE.edits.toml where that is there.",
         ),
     ] = None,
+    skip_unusable: Annotated[
+        bool,
+        typer.Option(
+            "--skip-unusable", help="Go on without files that cannot be read, or whose skeletons are not understood."
+        ),
+    ] = False,
     overwrite: recording.Overwrite = False,
     json: recording.Json = False,
     skeleton: recording.Skeleton = None,
@@ -224,14 +231,13 @@ def perform(
     reading = Reading(skeleton, map_, unit, up)
     saved = None
     with terminal.Bar("Performing") as bar:
-        motions = []
-        for number, file in enumerate(files):
-            bar(0.15 * number / len(files), f"reading {file.name}")
-            motions.append(reading.read(file))
+        read, left_out = reading.read_all(files, skip=skip_unusable, progress=bar.part(0.0, 0.15))
+        for remark in left_out:
+            terminal.remark(remark)
         body = None if skeleton_of is None else reading.read(skeleton_of)
-        recording.check_none_of(out or (), map(recording.skeleton_beside, files, motions))
+        recording.check_none_of(out or (), itertools.starmap(recording.skeleton_beside, read))
         piece = performance(
-            motions,
+            [motion for _, motion in read],
             target=place,
             radius=within,
             route=line,
@@ -252,6 +258,7 @@ def perform(
             edits=known_better,
             progress=bar.part(0.15, 0.8),
         )
+        piece = piece.with_warnings(left_out)
         if out:
             saved = performances.save_performance(piece, out, overwrite=overwrite, progress=bar.part(0.8, 1.0))
     if json:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -14,7 +14,9 @@ from kinesics.cli import terminal
 if TYPE_CHECKING:
     from kinesics.body.motion import Motion
     from kinesics.grammar.edits import Edits
+    from kinesics.progress import Progress
 
+_MOST_BAD = 12
 _PANEL = "How to read the file"
 
 Skeleton = Annotated[
@@ -79,6 +81,47 @@ class Reading:
         from kinesics import formats
 
         return None if self.map is None else formats.read_mapping(self.map)
+
+    def read_all(
+        self, files: Sequence[Path], *, skip: bool, progress: Progress
+    ) -> tuple[list[tuple[Path, Motion]], list[str]]:
+        """Read recordings of human bodies; those that cannot be read or understood are named together.
+
+        Parameters
+        ----------
+        skip : go on without these, where others are left.
+
+        Returns
+        -------
+        Each file with what is in it, and what was wrong with those left out.
+
+        Raises
+        ------
+        InputError
+            If one cannot be read or understood, or with ``skip`` none can.
+        """
+        from kinesics.body import anatomy
+        from kinesics.errors import InputError, SkeletonError
+
+        read: list[tuple[Path, Motion]] = []
+        bad: list[tuple[Path, InputError]] = []
+        for number, file in enumerate(files):
+            progress(number / len(files), f"reading {file.name}")
+            try:
+                read.append((file, anatomy.understood(self.read(file), self.mapping())))
+            except SkeletonError as error:
+                bad.append((file, SkeletonError(f"{file}: {error}", found=error.found, missing=error.missing)))
+            except InputError as error:
+                bad.append((file, error))
+        if not bad or (skip and read):
+            return read, [f"left out: {error}" for _, error in bad]
+        if len(files) == 1:
+            raise bad[0][1]
+        told = "\n".join(f"  {error}" for _, error in bad[:_MOST_BAD])
+        if len(bad) > _MOST_BAD:
+            told += f"\n  and {len(bad) - _MOST_BAD} more: {', '.join(str(file) for file, _ in bad[_MOST_BAD:])}"
+        helps = " Mend what is wrong, or go on without: --skip-unusable." if read else ""
+        raise InputError(f"{len(bad)} of {len(files)} recordings cannot be used.{helps}\n{told}")
 
     def read(self, file: Path) -> Motion:
         """Read a recording the way the user says.

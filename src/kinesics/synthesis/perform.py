@@ -28,7 +28,7 @@ from kinesics.synthesis.doubts import doubts
 from kinesics.synthesis.network import Network
 from kinesics.synthesis.piece import Piece, SourceFacts
 from kinesics.synthesis.prospects import prospects
-from kinesics.synthesis.repertoire import repertoire
+from kinesics.synthesis.repertoire import LEAST_FPS, repertoire
 from kinesics.synthesis.wish import HARDLY, Grammar, Wish, check_names, favoured, names_recordings
 
 if TYPE_CHECKING:
@@ -102,7 +102,8 @@ def perform(
     Raises
     ------
     InputError
-        If there is no recording, one is a single pose, nothing recurs so that there are no transitions, goals contradict
+        If there is no recording, all are single poses (one beside others is left out, which is among the warnings) or of fewer
+        than 8 frames a second, nothing recurs so that there are no transitions, goals contradict
         each other or cannot be pursued here, a state is unknown, or a number is out of range.
     SkeletonError
         If a skeleton cannot be understood as a human body; the message says which recording.
@@ -162,6 +163,7 @@ def performance(
         raise InputError(f"Expected `seconds` above 0 and at most {LONGEST:g}, got {seconds!r}.")
     seed = _whole(seed)
     given, twice = _given(motions, mapping)
+    given, left_out = _usable(given)
     progress(0.0, "bringing the recordings together")
     stock = repertoire(given, skeleton=skeleton, fps=fps, mirrored=mirrored, backwards=backwards)
     wish = wish.by_name(given, stock.names)
@@ -233,7 +235,7 @@ def performance(
         wish.places,
         wish.radius or goals.RADIUS,
     )
-    told = stock.warnings + doubts(piece, wish, ahead, most, seconds)
+    told = left_out + stock.warnings + doubts(piece, wish, ahead, most, seconds)
     progress(1.0, "performed")
     return dataclasses.replace(piece, performance=dataclasses.replace(done, motion=motion.replace(warnings=told)))
 
@@ -271,6 +273,24 @@ def _given(
             else f"{name} holds the very movement of {first}: used once, as {first}"
         )
     return once, tuple(dict.fromkeys(said))
+
+
+def _usable(motions: list[Motion]) -> tuple[list[Motion], tuple[str, ...]]:
+    """Those that something can be performed of, and which are left out, and why; all of them where none can."""
+    kept: list[Motion] = []
+    said: list[str] = []
+    for k, motion in enumerate(motions):
+        name = motion.source.file_name or motion.name or f"recording {k + 1}"
+        if motion.frame_count < 2:
+            said.append(f"{name} is left out: a single pose, in which nothing moves")
+        elif motion.fps < LEAST_FPS:
+            said.append(
+                f"{name} is left out: it has {motion.fps:g} frames a second, fewer than the {LEAST_FPS:g} it takes to perform; if "
+                "the file is wrong about its rate, read it with the right one (`kinesics.read(…, fps=…)`)"
+            )
+        else:
+            kept.append(motion)
+    return (kept, tuple(said)) if kept else (motions, ())
 
 
 def _read_first(given: object) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -91,6 +92,11 @@ class Piece:
     """To be reached one after the other: x, z in metres."""
     radius: float = RADIUS
     """How near to a place counts as there."""
+
+    def with_warnings(self, lines: Sequence[str]) -> Piece:
+        """The same with something else to be warned of, said first."""
+        motion = self.motion.replace(warnings=(*lines, *self.motion.warnings))
+        return dataclasses.replace(self, performance=dataclasses.replace(self.performance, motion=motion))
 
     @property
     def motion(self) -> Motion:
