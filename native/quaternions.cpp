@@ -59,36 +59,34 @@ inline void logarithm(const double *q, double *to) {
     for (int n = 0; n < 3; ++n) to[n] = scale * q[n + 1];
 }
 
-void quaternion_products(In a, In b, Out out) {
-    check(out, 4, {{&a, 4}, {&b, 4}});
+// each(p, q, to) for every pair of rows of two inputs
+template <int WidthA, int WidthB, class Each>
+void for_pairs(const In &a, const In &b, const Out &out, std::size_t width, const Each &each) {
+    check(out, width, {{&a, WidthA}, {&b, WidthB}});
     const Rows first(a), second(b);
     for_rows(out, [&](std::int64_t i, std::int64_t j, double *to) {
-        double p[4], q[4];
+        double p[WidthA], q[WidthB];
         first.take(i, j, p);
         second.take(i, j, q);
-        multiply(p, q, to);
+        each(p, q, to);
     });
 }
 
+void quaternion_products(In a, In b, Out out) {
+    for_pairs<4, 4>(a, b, out, 4, [](const double *p, const double *q, double *to) { multiply(p, q, to); });
+}
+
 void quaternion_offsets(In a, In b, Out out) {
-    check(out, 3, {{&a, 4}, {&b, 4}});
-    const Rows first(a), second(b);
-    for_rows(out, [&](std::int64_t i, std::int64_t j, double *to) {
-        double p[4], q[4], between[4];
-        first.take(i, j, p);
-        second.take(i, j, q);
+    for_pairs<4, 4>(a, b, out, 3, [](const double *p, const double *q, double *to) {
+        double between[4];
         undo(p, q, between);
         logarithm(between, to);
     });
 }
 
 void quaternion_angles(In a, In b, Out out) {
-    check(out, 1, {{&a, 4}, {&b, 4}});
-    const Rows first(a), second(b);
-    for_rows(out, [&](std::int64_t i, std::int64_t j, double *to) {
-        double p[4], q[4], between[4];
-        first.take(i, j, p);
-        second.take(i, j, q);
+    for_pairs<4, 4>(a, b, out, 1, [](const double *p, const double *q, double *to) {
+        double between[4];
         undo(p, q, between);
         *to = 2.0 * std::atan2(length(between + 1), std::abs(between[0]));
     });
@@ -119,14 +117,7 @@ void quaternion_exponentials(In a, Out out) {
 }
 
 void quaternion_turned(In a, In b, Out out) {
-    check(out, 3, {{&a, 4}, {&b, 3}});
-    const Rows turns(a), vectors(b);
-    for_rows(out, [&](std::int64_t i, std::int64_t j, double *to) {
-        double q[4], v[3];
-        turns.take(i, j, q);
-        vectors.take(i, j, v);
-        kinesics::turn(q, v, to);
-    });
+    for_pairs<4, 3>(a, b, out, 3, [](const double *q, const double *v, double *to) { kinesics::turn(q, v, to); });
 }
 
 }  // namespace
