@@ -328,6 +328,8 @@ def _words(row: str) -> list[str]:
 
 def _summarize(piece: Piece) -> None:
     """What a choreographer wants to know: whether it got there, how often it changed, from what, what was left out."""
+    from kinesics.synthesis.doubts import often_played
+
     console = terminal.console()
     motion, counted = piece.motion, terminal.counted
     lasts = f"{motion.duration:.1f}" if motion.duration >= 1.0 else f"{motion.duration:.2g}"
@@ -370,6 +372,7 @@ def _summarize(piece: Piece) -> None:
         console.print(
             f"  {piece.network.seconds:.1f} s to choose from"
             + (f": every moment comes about {times:.1f} times" if times > 1.2 else "")
+            + terminal.escape(f", {often}" if (often := often_played(piece)) else "")
         )
     for line in _left_out(piece):
         console.print(f"  [dim]{terminal.escape(line)}[/dim]")
