@@ -20,7 +20,7 @@ from kinesics.geometry import quaternion
 from kinesics.synthesis import checking, planting, quality
 from kinesics.synthesis.live import LiveRenderer
 from kinesics.synthesis.network import Network, network
-from kinesics.synthesis.planting import envelope
+from kinesics.synthesis.ranges import envelope
 from kinesics.synthesis.rendering import render
 from kinesics.synthesis.repertoire import repertoire
 from kinesics.synthesis.stage import BEARING, FLESH, Stage, turn_bodies

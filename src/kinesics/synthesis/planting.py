@@ -14,13 +14,14 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kinesics import compiled
 from kinesics.body import contacts, kinematics
 from kinesics.body.kinematics import Kinematics
 from kinesics.body.limits import segment_distance
 from kinesics.geometry import quaternion
 from kinesics.synthesis import blending, footing, inverse_kinematics
 from kinesics.synthesis.footing import Bounds, Stiffness
+from kinesics.synthesis.pelvis import turned_for_the_hips
+from kinesics.synthesis.ranges import YIELD, both_ways, envelope, put_joint, put_within_range, smooth
 from kinesics.synthesis.stage import (
     FLESH,
     LIFT,
@@ -71,59 +72,6 @@ _DAMPED: Final = 0.05
 _FARTHEST: Final = 0.03
 """Metres that a foot is moved beneath the body in one round to bring a joint back: farther, joints do not turn in proportion."""
 _NOTHING: Final = np.deg2rad(0.2)
-YIELD: Final = 0.05
-"""Seconds before and after over which a joint goes back that would go beyond its range."""
-
-
-def put_within_range(stage: Stage, rotations: Array, joints: Indices, where: Mask | None = None) -> None:
-    """Put joints back into the range that they have in the recordings, over a stretch of time rather than at once.
-
-    Parameters
-    ----------
-    rotations : shape (frames, joints, 4); changed in place.
-    joints : numbers of those looked at.
-    where : frames in which a joint can be beyond at all.
-    """
-    reach = max(1, round(YIELD * stage.repertoire.fps))
-    frames = np.arange(len(rotations)) if where is None else np.nonzero(where)[0]
-    middle = stage.middle[joints]
-    low, high = stage.low[joints], stage.high[joints]
-    vectors = blending.rotation_offset(middle, rotations[np.ix_(frames, joints)])
-    beyond = np.maximum(np.maximum(vectors - high, low - vectors), 0.0)
-    for n in np.nonzero((beyond > 1e-9).any(axis=(0, 2)))[0].tolist():
-        back = np.zeros((len(rotations), 3))
-        for axis in np.nonzero((beyond[:, n] > 1e-9).any(axis=0))[0].tolist():
-            over = np.zeros((2, len(rotations)))
-            over[0, frames] = np.maximum(vectors[:, n, axis] - high[n, axis], 0.0)
-            over[1, frames] = np.maximum(low[n, axis] - vectors[:, n, axis], 0.0)
-            back[:, axis] = envelope(over[0], reach) - envelope(over[1], reach)
-        goes = np.flatnonzero(back.any(axis=1))
-        at, back = blending.rotation_offset(middle[n], rotations[goes, joints[n]]), back[goes]
-        at = np.where(back != 0.0, np.clip(at - back, low[n], high[n]), at)
-        put_joint(rotations, goes, joints[n], blending.add_rotation(middle[n], at))
-
-
-def put_joint(rotations: Array, frames: Indices, joint: int, q: Array) -> None:
-    """Turn a joint as told in some frames; signs stay as they were, so that from frame to frame they do not change."""
-    sign = np.copysign(1.0, np.einsum("fi,fi->f", q, rotations[frames, joint]))
-    rotations[frames, joint] = sign[:, None] * q
-
-
-def envelope(values: Array, reach: int) -> Array:
-    """A smooth curve that is nowhere below ``values`` (frames,), which are not negative: it rises and falls over ``reach``.
-
-    The greatest within ``reach`` frames, averaged under a Hann window of the same reach.
-    """
-    if not values.any():
-        return np.zeros_like(values)
-    if compiled.wanted():
-        out = np.empty(len(values))
-        compiled.native.envelope(np.ascontiguousarray(values, dtype=np.float64), _hann(reach), out)
-        return out
-    from scipy.ndimage import maximum_filter1d
-
-    wide = maximum_filter1d(values, 2 * reach + 1, mode="nearest")
-    return _smooth(wide, reach)
 
 
 class Footed(NamedTuple):
@@ -209,6 +157,11 @@ def pin(
         way[bound] = towards[bound]
         limit = planted.positions[:, feet] - done.roots[:, None] - recorded + back
         least[bound] = np.einsum("ni,ni->n", way[bound], limit[bound]) + more[bound]
+    turned = turned_for_the_hips(stage, done.rotations, done.roots)
+    if turned is not done.rotations:
+        within = turned
+        put_within_range(stage, within, joints)
+        put_back = _lower(stage, within, done.roots)
     # whoever goes not quite as the recordings do yet begins where it was told to
     beside = (done.roots[0] - roots[0]) * [1.0, 0.0, 1.0]
     done = done._replace(rotations=within, roots=done.roots - beside, corrected=done.corrected - beside)
@@ -313,9 +266,7 @@ def _apart(stage: Stage, known: Kinematics) -> Array:
             out[deep, foot] = np.where(stronger[:, None], sign * ways, out[deep, foot])
     reach = max(1, round(YIELD * stage.repertoire.fps))
     for foot in (0, 1):
-        for axis in (0, 2):
-            away = out[:, foot, axis]
-            out[:, foot, axis] = envelope(np.maximum(away, 0.0), reach) - envelope(np.maximum(-away, 0.0), reach)
+        out[:, foot] = both_ways(out[:, foot], reach)
     return out
 
 
@@ -357,10 +308,7 @@ def put_arms_clear(stage: Stage, rotations: Array, roots: Array) -> None:
         back = np.zeros((len(rotations), 2, 3))
         back[near] = -change * over[:, None, None] / np.maximum(square, 1e-2)
         for side in (0, 1):
-            turn = np.stack(
-                [envelope(np.maximum(b, 0.0), reach) - envelope(np.maximum(-b, 0.0), reach) for b in back[:, side].T],
-                axis=-1,
-            )
+            turn = both_ways(back[:, side], reach)
             goes = np.flatnonzero(turn.any(axis=1))
             now = blending.rotation_offset(middle[side], rotations[goes, shoulders[side]]) + turn[goes]
             put_joint(
@@ -444,7 +392,7 @@ def _with_the_feet(stage: Stage, rotations: Array, roots: Array, both: Array) ->
         turn[t] = (turn[t - 1] - by) * left
     if np.abs(turn).max() < _LEAST_TURN:
         return rotations, roots
-    turn = _smooth(turn, max(1, round(STAND * stage.repertoire.fps)))
+    turn = smooth(turn, max(1, round(STAND * stage.repertoire.fps)))
     turned, moved = rotations.copy(), roots.copy()
     turn_bodies(stage.repertoire, stage.carrier, turned, turn)
     middle = feet.mean(axis=1)
@@ -458,7 +406,7 @@ def _both(held: Array, fps: float) -> Array:
     from scipy.ndimage import minimum_filter1d
 
     reach = max(1, round(STAND * fps))
-    return _smooth(minimum_filter1d(held.min(axis=1), 4 * reach + 1, mode="nearest"), reach)
+    return smooth(minimum_filter1d(held.min(axis=1), 4 * reach + 1, mode="nearest"), reach)
 
 
 def _grip(standing: Mask, fps: float) -> Array:
@@ -475,15 +423,3 @@ def _lowering(stage: Stage, positions: Array, targets: Array, held: Array, fps: 
     """How far the pelvis gives way so that the legs reach, metres, shape (frames,)."""
     need = shortfall(stage, positions, targets)
     return envelope((need * held).max(axis=1), max(1, round(SINK * fps)))
-
-
-def _smooth(values: Array, reach: int) -> Array:
-    """Averaged under a Hann window of ``reach`` frames to either side."""
-    return np.convolve(np.pad(values, reach, mode="edge"), _hann(reach), "valid")
-
-
-@functools.cache
-def _hann(reach: int) -> Array:
-    """A Hann window of ``reach`` frames to either side, sum 1."""
-    window = np.hanning(2 * reach + 3)[1:-1]
-    return np.asarray(window / window.sum())

@@ -36,7 +36,8 @@ from kinesics.similarity import paired_distance
 from kinesics.synthesis import blending
 from kinesics.synthesis.meeting import meetings
 from kinesics.synthesis.network import Network
-from kinesics.synthesis.planting import YIELD, Footed, envelope, pin, put_arms_clear, put_joint, put_within_range
+from kinesics.synthesis.planting import Footed, pin, put_arms_clear
+from kinesics.synthesis.ranges import YIELD, envelope, put_joint, put_within_range
 from kinesics.synthesis.rehearsal import played
 from kinesics.synthesis.repertoire import Repertoire
 from kinesics.synthesis.stage import SPARED, Stage, bearing, seams, turn_bodies

@@ -81,6 +81,8 @@ class Stage:
     """Mean rotation of each joint over all recordings and mirror images, shape (joints, 4)."""
     carrier: int
     """Joint that the body hangs on: the root, or the pelvis where the root joint does nothing but stand beneath it."""
+    trunk: tuple[int, ...]
+    """Joints that hang on it and bear no leg."""
     low: Array
     """Least and greatest component of the rotation vector of each joint from its mean, radians, shape (joints, 3)."""
     high: Array
@@ -109,6 +111,7 @@ class Stage:
         whole = Motion(skeleton, repertoire.rotations[0], repertoire.root_positions[0], fps)
         found = _contacts.contacts(whole, ground=Floor(0.0), known=soles_of(repertoire))
         legs = inverse_kinematics.legs(skeleton, repertoire.rotations[0][:: max(1, repertoire.frame_count // 4000)])
+        carrier = _carrier(repertoire)
         strands = (0, 1) if repertoire.mirrored else (0,)
         rotations = repertoire.rotations[list(strands)]
         accelerations = np.full(skeleton.joint_count + 1, 1e-6)
@@ -147,7 +150,8 @@ class Stage:
             accelerations,
             _body_joints(repertoire),
             middle,
-            _carrier(repertoire),
+            carrier,
+            _trunk(repertoire, carrier, legs),
             vectors.min(axis=0),
             vectors.max(axis=0),
             footing.Usual(
@@ -181,6 +185,17 @@ def _carrier(repertoire: Repertoire) -> int:
         if len(skeleton.children[joint]) > 1:
             return 0
     return pelvis
+
+
+def _trunk(repertoire: Repertoire, carrier: int, legs: Legs) -> tuple[int, ...]:
+    """Joints that hang on the carrier and bear no leg."""
+    skeleton = repertoire.skeleton
+    bears = set()
+    for joint in legs.femurs:
+        while joint >= 0 and joint != carrier:
+            bears.add(joint)
+            joint = skeleton.parents[joint]
+    return tuple(j for j in skeleton.children[carrier] if j not in bears)
 
 
 def _body_joints(repertoire: Repertoire) -> Indices:
