@@ -27,8 +27,8 @@ from kinesics.grammar.graph import Path as GraphPath
 from kinesics.grammar.graph import Source as GraphSource
 from kinesics.plotting.motif_rows import ranked_stretches
 from kinesics.report import folder as folder_module
+from kinesics.report import markup, pictures
 from kinesics.report import page as page_module
-from kinesics.report import pictures
 
 PROMISED = {
     "analysis.json",
@@ -383,14 +383,15 @@ def test_every_kind_is_drawn_as_it_looks(saved: tuple[kx.Analysis, Path]) -> Non
 def test_a_wide_graph_fits_the_page_and_can_be_enlarged() -> None:
     """As wide as the page at first; without scripts a tick makes it as large as it was drawn."""
     svg = b'<svg width="1400pt" height="300pt" viewBox="0 0 1400 300"><g id="a"/></svg>'
-    wide = page_module._drawing(svg, "graph", "A graph.", kind="natural")
+    wide = markup.drawing(svg, "graph", "A graph.", kind="natural")
     assert '<div class="scaled"' in wide
     assert 'type="checkbox" id="graph-zoom"' in wide
     assert "--full: 1400pt" in wide
     assert re.search(r'<svg[^>]*width="', wide) is None
-    assert "input.zoom:checked ~ div.scaled svg { width: var(--full); }" in page_module._STYLE
-    assert "figure svg { display: block; width: 100%" in page_module._STYLE
-    assert "zoom" not in page_module._drawing(svg.replace(b"1400", b"300"), "graph", "A graph.", kind="natural")
+    style = Path(page_module.__file__).with_name("page.css").read_text(encoding="utf-8")
+    assert "input.zoom:checked ~ div.scaled svg { width: var(--full); }" in style
+    assert "figure svg { display: block; width: 100%" in style
+    assert "zoom" not in markup.drawing(svg.replace(b"1400", b"300"), "graph", "A graph.", kind="natural")
 
 
 def test_graphs_are_well_formed(saved: tuple[kx.Analysis, Path]) -> None:

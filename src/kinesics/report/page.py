@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import base64
 import json
-import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from html import escape
+from importlib import resources
 from typing import Final
 
 import numpy as np
@@ -19,48 +18,11 @@ from kinesics.grammar.notation import pretty_label
 from kinesics.plotting.motif_rows import ranked_stretches
 from kinesics.plotting.similarity_plots import colour_key
 from kinesics.report import words
+from kinesics.report.markup import amount, cell, drawing, picture, table
 from kinesics.report.pictures import MOST_MOTIFS, Pictures, strip_paths
 
 _MOST_ROWS: Final = 200
 _MOST_WORDS: Final = 400
-_WIDEST: Final = 800.0
-"""Points: a drawing up to so wide can be read at the width of the page; a wider one can be enlarged."""
-
-_STYLE: Final = """
-:root { color-scheme: light; }
-body { margin: 0 auto; max-width: 62rem; padding: 2rem 1.5rem 4rem; color: #1a1a1a; background: #fff;
-  font: 1rem/1.55 system-ui, -apple-system, "Segoe UI", Roboto, "Noto Sans", sans-serif; }
-h1 { font-size: 1.6rem; line-height: 1.2; margin: 0 0 .3rem; overflow-wrap: anywhere; }
-h2 { font-size: 1.15rem; margin: 2.6rem 0 .6rem; padding-top: .7rem; border-top: 1px solid #ddd; }
-p.lead { color: #555; margin: 0 0 1.4rem; }
-dl.numbers { display: flex; flex-wrap: wrap; gap: .6rem 1.6rem; margin: 0 0 1rem; }
-dl.numbers div { min-width: 5.2rem; }
-dl.numbers dt { color: #666; font-size: .8rem; }
-dl.numbers dd { margin: 0; font-size: 1.25rem; font-variant-numeric: tabular-nums; }
-figure { margin: 1rem 0 1.6rem; }
-figure img, figure svg { display: block; width: 100%; height: auto; }
-figure.narrow { max-width: 36rem; }
-figcaption { color: #555; font-size: .9rem; margin-top: .5rem; }
-table { border-collapse: collapse; font-size: .9rem; font-variant-numeric: tabular-nums; }
-th, td { text-align: left; padding: .25rem 1rem .25rem 0; border-bottom: 1px solid #eee; vertical-align: top; }
-td.long { overflow-wrap: anywhere; }
-th { color: #555; font-weight: 600; }
-td.number, th.number { text-align: right; }
-div.wide { overflow-x: auto; }
-input.zoom { margin: 0 .35rem 0 0; }
-label.zoom { font-size: .85rem; color: #555; }
-input.zoom:checked ~ div.scaled { overflow-x: auto; }
-input.zoom:checked ~ div.scaled svg { width: var(--full); }
-table.many { min-width: 48rem; }
-ul { padding-left: 1.2rem; }
-li.warning { color: #8a3b00; }
-h3 { font-size: 1rem; margin: 1.4rem 0 .4rem; }
-p.small { color: #555; font-size: .9rem; }
-p.sentence { overflow-wrap: anywhere; line-height: 1.9; }
-pre { font-size: .8rem; overflow-x: auto; background: #f6f6f4; padding: .8rem; }
-footer { margin-top: 3rem; color: #777; font-size: .85rem; }
-@media print { body { padding: 0; } figure { break-inside: avoid; } input.zoom, label.zoom { display: none; } }
-"""
 
 
 def report_page(analysis: Analysis, pictures: Pictures, *, palette: str = "thesis") -> str:
@@ -76,12 +38,12 @@ def report_page(analysis: Analysis, pictures: Pictures, *, palette: str = "thesi
         *_what_it_is(analysis),
         *_phrases(analysis, pictures),
         "<h2>All pairs of moments</h2>",
-        _picture(
+        picture(
             pictures.triangle,
             "Z/Z* turned by 45 degrees: time runs to the right, the lag between two moments upwards.",
             _how_to_read(palette) + _one_after_another(analysis),
         ),
-        _picture(
+        picture(
             pictures.square,
             "Z/Z*: each pixel compares two moments.",
             "The same, each pixel one moment across and one upwards. On the margin: the states of the motion graph, when they are "
@@ -92,7 +54,7 @@ def report_page(analysis: Analysis, pictures: Pictures, *, palette: str = "thesi
         *_motifs(analysis, pictures),
         "<h2>Speed and symmetry</h2>",
         *(
-            _drawing(svg, f"curve{k}", f"Speed and symmetry over time{'' if len(names) == 1 else ': ' + names[k]}.")
+            drawing(svg, f"curve{k}", f"Speed and symmetry over time{'' if len(names) == 1 else ': ' + names[k]}.")
             for k, svg in enumerate(pictures.curves)
         ),
         "<p>The speed is √(2D)/Δt: half the root-mean-square angular speed of the 15 joints, in radians a second. "
@@ -100,7 +62,7 @@ def report_page(analysis: Analysis, pictures: Pictures, *, palette: str = "thesi
         _ranges(analysis, "Stillness", analysis.stillness, _stillness_words(analysis)),
         _ranges(analysis, "Symmetric states", analysis.symmetric_states, _symmetry_words(analysis)),
         "<h2>The path of the body</h2>",
-        _drawing(pictures.path, "path", "The motion path in the symmetry basis.", kind="narrow"),
+        drawing(pictures.path, "path", "The motion path in the symmetry basis.", kind="narrow"),
         "<p>Every pose is a symmetric part (upwards) and an antisymmetric part (across). The path runs from dark (round "
         "mark) to light (square mark); in grey its mirror image. A symmetric pose lies on the middle line.</p>",
         "<h2>The recording</h2>",
@@ -115,10 +77,14 @@ def report_page(analysis: Analysis, pictures: Pictures, *, palette: str = "thesi
         '<meta http-equiv="Content-Security-Policy" content="default-src \'none\'; img-src data:; '
         "style-src 'unsafe-inline'\">\n"
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>{escape(title)} · kinesics</title>\n<style>{_STYLE}</style>\n</head>\n<body>\n"
+        f"<title>{escape(title)} · kinesics</title>\n<style>\n{_style()}</style>\n</head>\n<body>\n"
         + "\n".join(part for part in body if part)
         + "\n</body>\n</html>\n"
     )
+
+
+def _style() -> str:
+    return resources.files("kinesics.report").joinpath("page.css").read_text(encoding="utf-8")
 
 
 def _numbers(analysis: Analysis) -> str:
@@ -132,8 +98,8 @@ def _numbers(analysis: Analysis) -> str:
         ("duration", f"{seconds:.2f} s"),
         ("frames", f"{frames:,}"),
         ("frame rate", f"{', '.join(f'{r:.6g}' for r in rates)} /s"),
-        ("speed, median", _number(analysis.speed.median, " /s")),
-        ("speed, greatest", _number(analysis.speed.max, " /s")),
+        ("speed, median", amount(analysis.speed.median, " /s")),
+        ("speed, greatest", amount(analysis.speed.max, " /s")),
         ("at rest", f"{still:.1f} s"),
         ("symmetric", f"{symmetric:.1f} s"),
         ("β", f"{analysis.beta:.3g}"),
@@ -185,7 +151,7 @@ def _residuals(judged: Overall) -> str:
     if not rows:
         return ""
     return (
-        _table(["compared with itself", "what is left over"], rows)
+        table(["compared with itself", "what is left over"], rows)
         + '<p class="small">0: it is the same. 1: it is as different as any two moments of the movement are.</p>'
     )
 
@@ -218,11 +184,11 @@ def _phrases(analysis: Analysis, pictures: Pictures) -> list[str]:
             f"{p.end_s:.2f}",
             words.kind(p),
             (f"{p.name}: " if p.name else "") + words.short_class(p),
-            _number(p.period_s),
-            _number(p.repeats, places=1),
+            amount(p.period_s),
+            amount(p.repeats, places=1),
             "–" if p.class_ is None or p.confidence is None else words.likelihood(p.confidence),
-            _number(p.speed_mean),
-            *([_number(p.smoothness)] if smooth else []),
+            amount(p.speed_mean),
+            *([amount(p.smoothness)] if smooth else []),
         ]
         for number, p in enumerate(analysis.phrases[:_MOST_ROWS], 1)
     ]
@@ -230,7 +196,7 @@ def _phrases(analysis: Analysis, pictures: Pictures) -> list[str]:
         "<h2>Phrases</h2>",
         *(
             (f'<p class="small">{escape(names[k])}</p>' if several else "")
-            + _drawing(svg, f"phrases{k}", "The phrases over time, coloured by kind of movement.")
+            + drawing(svg, f"phrases{k}", "The phrases over time, coloured by kind of movement.")
             for k, svg in pictures.phrases
         ),
         "<p>A phrase is a stretch of one kind of movement: what recurs in it does not recur across its borders. Phrases of one "
@@ -245,7 +211,7 @@ def _phrases(analysis: Analysis, pictures: Pictures) -> list[str]:
         )
         + (" Smoothness is negative: the nearer to 0, the smoother." if smooth else "")
         + "</p>",
-        _table(header, rows),
+        table(header, rows),
         _more(len(analysis.phrases), "phrases.csv"),
     ]
 
@@ -278,18 +244,18 @@ def _cycles(analysis: Analysis) -> list[str]:
                 f"{cycle.end / fps:.2f}",
                 f"{cycle.period_s:.2f}",
                 "–" if cycle.phase is None else f"{round(100.0 * cycle.phase, 1) + 0.0:+.1f} %",
-                _number(cycle.mirror_residual),
+                amount(cycle.mirror_residual),
             ]
         )
     first, *rest = words.CYCLES_HEADER
     return [
         "<h2>Cycles</h2>",
-        _table([first, *whose, *rest], phrases[:_MOST_ROWS]),
+        table([first, *whose, *rest], phrases[:_MOST_ROWS]),
         '<p class="small">Means and standard deviations over the cycles of each phrase. Right after left: by how much of the '
         "cycle the right side comes later than the left one, less the half by which alternating sides are apart anyway. Left "
         "unlike right: what the mirror image leaves over at that phase; 0 is an even movement.</p>",
         "<h3>One by one</h3>",
-        _table([first, *whose, "from (s)", "to (s)", "lasts (s)", "right after left", "left unlike right"], rows),
+        table([first, *whose, "from (s)", "to (s)", "lasts (s)", "right after left", "left unlike right"], rows),
         _more(len(analysis.cycles), "cycles.csv"),
     ]
 
@@ -302,7 +268,7 @@ def _motifs(analysis: Analysis, pictures: Pictures) -> list[str]:
         left_out = len(stretches) - MOST_MOTIFS
         parts += [
             "<h2>What recurs</h2>",
-            _drawing(pictures.motifs, "motifs", "Stretches that recur: their poses, and when they come back."),
+            drawing(pictures.motifs, "motifs", "Stretches that recur: their poses, and when they come back."),
             "<p>A row for each stretch that comes back: its poses, lighter as it evolves, and when it is done; framed is the "
             "one shown. The others have the colour of Z where they are the same, of Z* where they are mirrored, and ← where they "
             "are done backwards. "
@@ -346,7 +312,7 @@ def _motion_graph(analysis: Analysis, pictures: Pictures) -> list[str]:
         return []
     parts = [
         "<h2>The motion graph</h2>",
-        _drawing(pictures.graph, "graph", "The motion graph: states and the paths between them.", kind="natural"),
+        drawing(pictures.graph, "graph", "The motion graph: states and the paths between them.", kind="natural"),
         "<p>A circle is a pose that returns, is held, is turned back in or branched from; an arrow is a movement from one "
         "to another, with two heads where it is done in both directions. Symmetric poses, under a bar, stand on the middle "
         "line; a pose and its mirror image (starred) face each other across it. In figures, the left limbs are red, the right ones "
@@ -365,7 +331,7 @@ def _motion_graph(analysis: Analysis, pictures: Pictures) -> list[str]:
     )
     if pictures.strips is not None:
         parts.append(
-            _drawing(
+            drawing(
                 pictures.strips, "strips", "Paths as strips of poses that lighten as the path evolves.", kind="natural"
             )
         )
@@ -413,7 +379,7 @@ def _information(known: Information) -> str:
         f"The graph as a source of {known.words} {'word' if known.words == 1 else 'words'}, each one path, after Shannon; "
         "with standard errors, which are wide for short recordings. A movement that does the same over and over tells nothing."
     )
-    return f'<h3>How much it tells</h3>{_table(["", ""], rows)}<p class="small">{escape(said)}</p>'
+    return f'<h3>How much it tells</h3>{table(["", ""], rows)}<p class="small">{escape(said)}</p>'
 
 
 def _one_after_another(analysis: Analysis) -> str:
@@ -486,7 +452,7 @@ def _ranges(analysis: Analysis, title: str, ranges: Sequence[Range], said: str) 
         rows.append([*([names[r.source]] if several else []), *times])
     left_out = len(ranges) - len(rows)
     more = f"<p>And {left_out} more, in analysis.json.</p>" if left_out > 0 else ""
-    return f"<h2>{escape(title)}</h2><p>{escape(said)}</p>{_table(header, rows)}{more}"
+    return f"<h2>{escape(title)}</h2><p>{escape(said)}</p>{table(header, rows)}{more}"
 
 
 def _source(source: Source) -> str:
@@ -497,7 +463,7 @@ def _source(source: Source) -> str:
         ("frames", f"{source.frames} at {source.fps:.6g} a second, {source.duration_s:.3f} s"),
         ("SHA-256", source.sha256),
     ]
-    rows = "".join(f"<tr><th>{escape(k)}</th>{_cell(v)}</tr>" for k, v in facts if v)
+    rows = "".join(f"<tr><th>{escape(k)}</th>{cell(v)}</tr>" for k, v in facts if v)
     assumed = "".join(f"<li>{escape(a)}</li>" for a in source.assumptions)
     said = f"<p>What the file does not say and was assumed:</p><ul>{assumed}</ul>" if assumed else ""
     return f"<table>{rows}</table>{said}"
@@ -506,57 +472,3 @@ def _source(source: Source) -> str:
 def _parameters(analysis: Analysis) -> str:
     values = {"beta": analysis.beta, **analysis.to_dict()["parameters"]}
     return json.dumps(values, ensure_ascii=False, indent=1)
-
-
-def _picture(png: bytes, words: str, caption: str = "") -> str:
-    data = base64.b64encode(png).decode("ascii")
-    below = f"<figcaption>{escape(caption)}</figcaption>" if caption else ""
-    return f'<figure><img alt="{escape(words)}" src="data:image/png;base64,{data}">{below}</figure>'
-
-
-def _drawing(svg: bytes, prefix: str, words: str, *, kind: str = "wide") -> str:
-    """An SVG file as part of the page: its ids are made its own, for ids are shared by a whole page.
-
-    Parameters
-    ----------
-    kind : "wide" as the page, "narrow", or "natural" as it was drawn where the page is wide enough.
-    """
-    text = svg.decode()
-    text = text[text.index("<svg") :]
-    for named in (' id="', 'href="#', "url(#"):
-        text = text.replace(named, f"{named}{prefix}-")
-    # width and height in points would hold the drawing at one size; the viewBox is there
-    head, tail = text.split(">", 1)
-    natural = re.search(r'\swidth="([0-9.]+pt)"', head)
-    style = f' style="max-width: {natural.group(1)}"' if kind == "natural" and natural else ""
-    head = re.sub(r'\s(width|height)="[^"]*"', "", head)
-    named = f'role="img" aria-label="{escape(words)}"'
-    if kind == "natural" and natural and float(natural.group(1)[:-2]) > _WIDEST:
-        # the whole is seen at a glance; what is too small then is made larger on demand, and moved sideways in its own box
-        return (
-            f'<figure class="{kind}" style="--full: {natural.group(1)}">'
-            f'<input class="zoom" type="checkbox" id="{prefix}-zoom"/>'
-            f'<label class="zoom" for="{prefix}-zoom">full size</label>'
-            f'<div class="scaled" {named}>{head}>{tail}</div></figure>'
-        )
-    return f'<figure class="{kind}"{style} {named}>{head}>{tail}</figure>'
-
-
-def _table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    top = "".join(f"<th>{escape(h)}</th>" for h in header)
-    body = "".join("<tr>" + "".join(map(_cell, row)) + "</tr>" for row in rows)
-    # on a narrow screen a table of many columns is moved sideways, in its own box
-    many = ' class="many"' if len(header) > 7 else ""
-    return f'<div class="wide"><table{many}><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table></div>'
-
-
-def _cell(text: str) -> str:
-    # a number that is broken in two reads as another one; a word as long as a file's name may be broken
-    long = max(map(len, text.split()), default=0) > 24
-    kind = ' class="long"' if long else ""
-    text = text.replace(" %", "\N{NO-BREAK SPACE}%")
-    return f"<td{kind}>{escape(text)}</td>"
-
-
-def _number(value: float | None, unit: str = "", *, places: int = 2) -> str:
-    return "–" if value is None else f"{value:.{places}f}{unit}"
