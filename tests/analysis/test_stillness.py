@@ -112,6 +112,7 @@ def test_the_performer_s_holds_are_found(movement: str) -> None:
     """Every hold that lasts as long as the rule asks is covered in its middle, most shorter ones too; nothing else is still."""
     performed = getattr(kx.performer, movement)(fps=30.0)
     true = performed.truth.stillness
+    assert true
     poses = kx.poses(performed.motion)
     found = find_stillness(poses)
     covered = [any(a <= (r.start + r.end) // 2 < b for a, b in found) for r in true]

@@ -49,6 +49,7 @@ def test_composites_follow_the_network_and_last_long_enough() -> None:
         {"a": ["b", "c"], "b": ["c"], "c": ["a", "c"]},
     )
     got = prospects(network, 1.5)
+    assert len(got.sequence) >= len(network.indices)
     for sequence in got.sequence:
         paths = sequence[sequence >= 0]
         assert network.duration[paths].sum() >= 1.5
@@ -92,11 +93,14 @@ def test_swerve_is_how_the_trail_moves_when_it_is_bent(ahead: Prospects) -> None
 def test_jumps_come_no_sooner_than_the_hold(network: Network) -> None:
     """Where every recording can be kept on, none is left within the hold of the jump before."""
     got = prospects(network, 2.0, hold=0.6)
+    holds: list[float] = []
     for sequence in got.sequence:
         paths = sequence[sequence >= 0]
         jumps = np.flatnonzero(np.diff(paths) != 0) + 1
         begins = np.concatenate([[0.0], np.cumsum(network.duration[paths])])
-        assert np.all(np.diff(begins[jumps]) >= 0.6 - 1e-9)
+        holds.extend(np.diff(begins[jumps]).tolist())
+    assert holds
+    assert min(holds) >= 0.6 - 1e-9
 
 
 def test_first_jump_is_when_a_recording_is_left(network: Network, ahead: Prospects) -> None:

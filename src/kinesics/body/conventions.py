@@ -76,7 +76,7 @@ def detect(
         if up_axis not in ("x", "y", "z", "-x", "-y", "-z"):
             raise InputError(f'Expected an up axis such as "y", "z" or "-y", got "{up}".')
     if unit is None:
-        scale, why = _detect_unit(skeleton, positions, body)
+        scale, why = _detect_unit(positions, body)
         said.append(why)
     else:
         scale = unit_scale(unit)
@@ -168,7 +168,7 @@ def _detect_floor(positions: Array, share: Array) -> str | None:
     return ranked[0] if len(ranked) == 1 or waver[ranked[0]] < 0.3 * waver[ranked[1]] else None
 
 
-def _detect_unit(skeleton: Skeleton, positions: Array, body: dict[str, int]) -> tuple[float, str]:
+def _detect_unit(positions: Array, body: dict[str, int]) -> tuple[float, str]:
     lengths = []
     for side in ("left", "right"):
         hip, knee, ankle = (body.get(f"{side}_{part}") for part in ("femur", "tibia", "foot"))

@@ -68,7 +68,6 @@ class CyclicEvidence:
     residuals: Residuals
     path: lags.LagPath
     """From each moment of the stretch to the same one a period later."""
-    glide_path: lags.LagPath | None
     period: float
     """Moments."""
     returns: NDArray[np.bool_]
@@ -168,7 +167,6 @@ def cyclic(
     return CyclicEvidence(
         Residuals(medians["period"], medians["mirror"], medians["glide"], medians["reverse"], medians["both"]),
         path,
-        glide,
         tau,
         returned,
         (moving[1] - moving[0]) / tau,
