@@ -197,9 +197,14 @@ def test_from_state_to_state_begins_and_ends_there(walks: list[kx.Motion]) -> No
         if step.complete:
             passed[graph.state(ends[1]).label].add(step.end)
     image = {"A": "A*", "A*": "A"}
-    first, last = made.spans[0], made.spans[-1]
-    assert first.source_start in passed[image["A"] if first.mirrored else "A"]
-    assert last.source_end in passed[image["A*"] if last.mirrored else "A*"]
+    said = re.search(r"from (\d+\.\d\d) to (\d+\.\d\d) s, between what leads there and what follows", *made.outcome)
+    assert said is not None, "this way takes half a second"
+    begin, end = (round(float(second) * made.motion.fps) for second in said.groups())
+    assert 1.0 < float(said[1]) < 2.1
+    assert 1.0 < made.motion.duration - float(said[2]) < 2.1
+    where = made.provenance
+    assert where.source_frame[begin] in passed[image["A"] if where.mirrored[begin] else "A"]
+    assert where.source_frame[end - 1] + 1 in passed[image["A*"] if where.mirrored[end - 1] else "A*"]
     assert kx.performance(walks[0], from_state="A", seconds=2).spans[0].source_start in passed["A"] | passed["A*"]
 
 
@@ -339,8 +344,15 @@ def test_a_kind_that_was_pruned_is_told_so(walks: list[kx.Motion]) -> None:
 
 def test_one_word_that_is_nearly_right_is_answered_with_the_name(walks: list[kx.Motion]) -> None:
     """Also where the name has other words besides."""
-    with pytest.raises(kx.InputError, match=r"Did you mean strange-walk_007\? There are: .*A, A\*, .*cyclic-antiphase"):
+    with pytest.raises(kx.InputError, match=r"Did you mean strange-walk_007\?") as refused:
         kx.perform(walks[0].replace(name="strange-walk_007"), favour="wlak", seconds=3)
+    _, *lines = str(refused.value).splitlines()
+    told = dict(line.strip().split(": ", 1) for line in lines)
+    assert list(told) == ["recordings", "classes", "phrases", "states", "paths between states"]
+    assert re.fullmatch(r"strange-walk_007 \(1\d\.\d s\)", told["recordings"])
+    assert told["classes"].startswith("cyclic-antiphase (cyclic, left and right in turn: 1")
+    assert "A* (on the way there: " in told["states"]
+    assert "(A to A*: " in told["paths between states"]
 
 
 def test_what_is_given_twice_is_used_once(walks: list[kx.Motion]) -> None:

@@ -97,3 +97,33 @@ def test_stances_can_be_kept_for_ever() -> None:
         paths, {"walk": everywhere, "pause": ["walk"], "stand": ["stand", "walk"], "spin": ["spin", "walk"]}
     )
     assert ways.stances(network).tolist() == [False, False, True, False]
+
+
+def test_a_path_in_which_the_recording_leaps_is_gone_round() -> None:
+    """Unless any other way takes ten seconds longer; and what the last path takes counts, too."""
+    paths = [
+        Path("leap", 2, 0.0, 0.0),
+        Path("out", 20, 0.0, 0.0),
+        Path("back", 10, 0.0, 0.0),
+        Path("slow", 90, 0.0, 0.0),
+    ]
+    net = floor_network(paths, {"leap": ["back"], "out": ["back", "slow"], "back": ["leap", "out"], "slow": ["back"]})
+    origins, goals = np.array([True, True, False, False]), np.array([True, False, True, True])
+    assert ways.shortest(net, origins, goals) == [0]
+    faulty = np.array([True, False, False, False])
+    assert ways.shortest(net, origins, goals, avoiding=faulty) == [1, 2]
+    assert ways.shortest(net, faulty, faulty, avoiding=faulty) == [0]
+
+
+def test_what_leads_to_a_path_and_what_follows_it() -> None:
+    """As recorded and so long, a little more where half would be missing; by a transition where the recording ends."""
+    paths = [Path(f"p{k}", 10, 0.0, 0.0) for k in range(6)]
+    net = floor_network(paths, {f"p{k}": [f"p{(k + 1) % 6}", f"p{(k + 3) % 6}"] for k in range(6)})
+    cost = np.where(net.indices == (np.repeat(np.arange(6), 2) + 1) % 6, 0.0, 0.5)
+    cost[net.edges(5, 0)] = 0.7
+    net = dataclasses.replace(net, cost=cost)
+    assert ways.leading_to(net, 3, 1.0, 9.0) == [1, 2]
+    assert ways.following(net, 1, 1.2, 9.0) == [2, 3]
+    assert ways.following(net, 5, 0.6, 9.0) == [2]
+    assert ways.following(net, 1, 0.2, 9.0) == [2]
+    assert ways.following(net, 1, 0.2, 0.3) == []

@@ -82,7 +82,7 @@ def best_attempt(
     def draw(number: int, bent: float, via: Detour | None, most: float) -> Attempt:
         course = perform_paths(
             net,
-            wish.goals(drift, via),
+            wish.goals(drift, via, most),
             most,
             seed if number == 0 else np.random.default_rng([seed, number]),
             finish=finish,

@@ -110,19 +110,22 @@ def kind_name(kind: int | None) -> str:
     return "" if kind is None else f"kind {kind + 1}"
 
 
-def state_seams(repertoire: Repertoire, graph: MotionGraph) -> Indices:
+def state_seams(repertoire: Repertoire, graph: MotionGraph, lead: float = 0.0) -> Indices:
     """Where the states of a motion graph are passed, entered and left: `seams` for `network`, so that paths can begin there.
 
     Parameters
     ----------
     graph : of the same recordings in the same order.
+    lead : seconds before and after these at which there are seams, too; none for 0.
     """
     out: list[int] = []
     for number in range(min(len(graph.sources), repertoire.recording_count)):
         low, high = repertoire.starts[number : number + 2].tolist()
         rate = repertoire.fps / repertoire.source_fps[number]
-        ends = {frame for step in graph.timeline(number) for frame in (step.start, step.end)}
-        out += [low + round(frame * rate) for frame in sorted(ends) if 0 < round(frame * rate) < high - low]
+        ends = {round(frame * rate) for step in graph.timeline(number) for frame in (step.start, step.end)}
+        aside = round(lead * repertoire.fps)
+        ends |= {frame + sign * aside for frame in ends for sign in (-1, 1)}
+        out += [low + frame for frame in sorted(ends) if 0 < frame < high - low]
     return np.array(sorted(set(out)), dtype=np.intp)
 
 

@@ -168,7 +168,8 @@ def performance(
     stock = repertoire(given, skeleton=skeleton, fps=fps, mirrored=mirrored, backwards=backwards)
     wish = wish.by_name(given, stock.names)
     grammar = _grammar(given, wish, stock.names, edits, progress)
-    seams = () if grammar is None or wish.from_state is None else labels.state_seams(stock, grammar.graph)
+    lead = goals.LEAD if wish.to_state is not None else 0.0
+    seams = () if grammar is None or wish.from_state is None else labels.state_seams(stock, grammar.graph, lead)
     with warnings.catch_warnings():
         # what was pruned is told in the result
         warnings.simplefilter("ignore", UserWarning)

@@ -21,6 +21,8 @@ MEASURES: Final = ("seconds", "cost")
 JUMP: Final = 3.0
 """Seconds that a transition of cost 0 counts for on the shortest way, one of cost 1 twice as many: rather than leap from state to
 state, which lie near each other where transitions do, one travels what was recorded, if that takes no longer than so."""
+AVOIDED: Final = 10.0
+"""Seconds that a path counts for besides which is gone only where there is hardly another."""
 UNREACHABLE: Final = 1e4
 """Seconds put for a way that does not exist."""
 SLOW: Final = 0.1
@@ -33,43 +35,106 @@ def seconds_to(network: Network, goals: Mask) -> Array:
     """Seconds from the beginning of each path until a goal path begins; 0 for goals, inf where none can be reached."""
     from scipy.sparse.csgraph import dijkstra
 
-    return np.asarray(
-        dijkstra(_backwards(network, "seconds"), indices=np.flatnonzero(goals), min_only=True), dtype=np.float64
-    )
+    return np.asarray(dijkstra(_backwards(network), indices=np.flatnonzero(goals), min_only=True), dtype=np.float64)
 
 
 def next_towards(network: Network, goals: Mask) -> Indices:
     """The path that comes next on the quickest way from each path to a goal path; −1 for goals and where there is none."""
     from scipy.sparse.csgraph import dijkstra
 
-    _, after, _ = dijkstra(
-        _backwards(network, "seconds"), indices=np.flatnonzero(goals), min_only=True, return_predecessors=True
-    )
+    _, after, _ = dijkstra(_backwards(network), indices=np.flatnonzero(goals), min_only=True, return_predecessors=True)
     return np.where(after < 0, -1, after).astype(np.intp)
 
 
-def shortest(network: Network, origins: Mask, goals: Mask, *, by: str = "seconds") -> list[int] | None:
+def shortest(
+    network: Network, origins: Mask, goals: Mask, *, by: str = "seconds", avoiding: Mask | None = None
+) -> list[int] | None:
     """Paths of the shortest way from an origin path to a goal path, both included; None if there is no way.
 
     Parameters
     ----------
     by : "seconds", every transition counting as `JUMP` and more; or "cost" of the transitions, then seconds.
+    avoiding : paths each of which counts as `AVOIDED` seconds more, shape (paths,).
     """
+    from scipy.sparse import csr_array
     from scipy.sparse.csgraph import dijkstra
 
-    far, after, _ = dijkstra(
-        _backwards(network, by, JUMP), indices=np.flatnonzero(goals), min_only=True, return_predecessors=True
-    )
-    # a way ends when its goal path has been played
-    candidates = np.flatnonzero(origins & np.isfinite(far))
+    paths = len(network.first)
+    seconds = np.asarray(network.duration, dtype=np.float64)
+    seconds = seconds if avoiding is None else seconds + AVOIDED * avoiding
+    seconds = 1e-6 * seconds if by == "cost" else seconds
+    cost = np.asarray(network.cost, dtype=np.float64)
+    leaps = cost if by == "cost" else np.where(cost > 0.0, JUMP * (1.0 + cost), 0.0)
+    before = np.repeat(np.arange(paths), np.diff(network.indptr))
+    ends = np.flatnonzero(goals)
+    # leaving a path costs what it lasts; behind all goals lies one place, for a goal path is played, too
+    values = np.concatenate([seconds[before] + leaps, seconds[ends]])
+    tails = np.concatenate([before, ends])
+    heads = np.concatenate([np.asarray(network.indices), np.full(len(ends), paths)])
+    graph = csr_array((values, (heads, tails)), shape=(paths + 1, paths + 1))
+    far, after, _ = dijkstra(graph, indices=np.array([paths]), min_only=True, return_predecessors=True)
+    candidates = np.flatnonzero(origins & np.isfinite(far[:paths]))
     if not len(candidates):
         return None
-    path = int(candidates[np.argmin(far[candidates])])
-    way = [path]
-    while after[path] >= 0:
-        path = int(after[path])
-        way.append(path)
+    way = [int(candidates[np.argmin(far[candidates])])]
+    while after[way[-1]] != paths:
+        way.append(int(after[way[-1]]))
     return way
+
+
+def leaping(network: Network) -> Mask:
+    """Paths in which a joint, or the whole body, leaps from one frame to the next as no movement does: a fault of the recording
+    (`kinesics.body.leaps`). Shape (paths,).
+    """
+    from kinesics.body import leaps
+
+    stock = network.repertoire
+    faults = np.zeros(stock.frame_count + 1, dtype=np.intp)
+    for recording in np.unique(network.recording).tolist():
+        motion = stock.motion(recording)
+        if motion.frame_count < 3:
+            continue
+        steps = leaps.measure(motion, leaps.continuous(motion.rotations))
+        for found in leaps.glitches(motion, steps, ()):
+            # from the frame before to the frame behind
+            start = int(stock.starts[recording])
+            faults[start + max(found.start - 1, 0) : start + min(found.end + 1, motion.frame_count)] = 1
+    before = np.concatenate([[0], np.cumsum(faults)])
+    ends = np.sort(stock.frame_of(np.stack([network.first, network.last])), axis=0)
+    return np.asarray(before[ends[1] + 1] > before[ends[0]], dtype=np.bool_)
+
+
+def leading_to(network: Network, path: int, seconds: float, most: float) -> list[int]:
+    """Paths that come before one, the earliest first: see `following`."""
+    owners = np.repeat(np.arange(len(network.first)), np.diff(network.indptr))
+    return _on_and_on(network, owners, np.asarray(network.indices), path, seconds, most)[::-1]
+
+
+def following(network: Network, path: int, seconds: float, most: float) -> list[int]:
+    """Paths that come after one: as recorded, by the cheapest transition where the recording ends.
+
+    Parameters
+    ----------
+    seconds : how long; less where a path would lead beyond, unless half of it would be missing.
+    most : seconds that it may be in any case.
+    """
+    owners = np.repeat(np.arange(len(network.first)), np.diff(network.indptr))
+    return _on_and_on(network, np.asarray(network.indices), owners, path, seconds, most)
+
+
+def _on_and_on(network: Network, beside: Indices, here: Indices, path: int, seconds: float, most: float) -> list[int]:
+    """Path after path: ``beside`` each path of ``here`` lies another."""
+    out: list[int] = []
+    lasted, spare = 0.0, 0.5 / network.repertoire.fps
+    while lasted < seconds - spare:
+        ways = np.flatnonzero(here == path)
+        path = int(beside[ways[np.argmin(network.cost[ways])]])
+        lasted += float(network.duration[path])
+        too_long = lasted > seconds + spare and lasted - network.duration[path] >= 0.5 * seconds
+        if too_long or lasted > most + spare or path in out:
+            break
+        out.append(path)
+    return out
 
 
 def stances(network: Network) -> Mask:
@@ -101,13 +166,7 @@ def _forwards(network: Network, values: Array) -> csr_array:
     return csr_array((values, np.asarray(network.indices), np.asarray(network.indptr)), shape=(paths, paths))
 
 
-def _backwards(network: Network, by: str, jump: float = 0.0) -> csr_array:
-    """The reversed graph: from each path to those that come before it; leaving a path costs what it lasts, and a transition
-    ``jump`` seconds or more.
-    """
+def _backwards(network: Network) -> csr_array:
+    """The reversed graph: from each path to those that come before it; leaving a path costs what it lasts."""
     duration = np.asarray(network.duration, dtype=np.float64)
-    cost = np.asarray(network.cost, dtype=np.float64)
-    values = np.repeat(duration, np.diff(network.indptr))
-    leaps = np.where(cost > 0.0, jump * (1.0 + cost), 0.0)
-    values = 1e-6 * values + cost if by == "cost" else values + leaps
-    return _forwards(network, values).T.tocsr()
+    return _forwards(network, np.repeat(duration, np.diff(network.indptr))).T.tocsr()

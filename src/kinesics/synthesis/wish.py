@@ -237,13 +237,14 @@ class Wish:
         whose = [n for m, n in zip(motions, names, strict=True) if m.source.file_name == self.favour]
         return dataclasses.replace(self, favour=whose[0] if whose else self.favour.rpartition(".")[0])
 
-    def goals(self, drift: complex = 1.0, via: Detour | None = None) -> list[Goal | Feature]:
+    def goals(self, drift: complex = 1.0, via: Detour | None = None, most: float = math.inf) -> list[Goal | Feature]:
         """For the controller; something new all the time, where nothing is wished for.
 
         Parameters
         ----------
         drift : what the way decided for has to be multiplied by, to be the way performed, as z + i·x.
         via : a place to be gone to besides.
+        most : seconds that there are.
         """
         led = self._to_places
         out: list[Goal | Feature] = [g for g in self.own if g is not led]
@@ -255,7 +256,7 @@ class Wish:
             out.append(goals.Economy(weight=SPARING if self.route is None else SPARING_ALONG))
         if self.to_state is not None:
             assert self.from_state is not None
-            out.append(goals.StateToState(self.from_state, self.to_state))
+            out.append(goals.StateToState(self.from_state, self.to_state, lead=goals.LEAD, most=most))
         goes_somewhere = bool(out)
         out.append(goals.Onwards(weight=ONWARDS))
         if self.favour is not None:

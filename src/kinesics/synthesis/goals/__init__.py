@@ -25,9 +25,10 @@ from kinesics.synthesis.goals.naming import paths_of, states_of
 from kinesics.synthesis.goals.places import RADIUS, MovingTarget, Target, Targets, ToPlaces
 from kinesics.synthesis.goals.pursuit import Feature, Goal, Pursuit, Situation, TrailPursuit
 from kinesics.synthesis.goals.routes import Route
-from kinesics.synthesis.goals.states import StateToState
+from kinesics.synthesis.goals.states import LEAD, StateToState
 
 __all__ = [
+    "LEAD",
     "RADIUS",
     "Economy",
     "Favour",
