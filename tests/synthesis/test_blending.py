@@ -78,6 +78,48 @@ def test_shorter_side_bears_less() -> None:
     assert window.share_before == pytest.approx(1.0 / 17.0)
 
 
+def test_fingers_held_otherwise_take_their_time() -> None:
+    """What hardly moves goes over more slowly than the body, within what it may be accelerated by."""
+    window = blending.Window(0.2, 0.2, 0.5)
+    offsets = np.radians([[20.0, 0.0, 0.0], [20.0, 0.0, 0.0], [170.0, 0.0, 0.0]])
+    allowed = np.array([2.0, np.inf, 2.0])
+    paced = blending.at_their_own_pace(offsets, np.zeros((3, 3)), window, np.ones(3, dtype=np.bool_), allowed)
+    assert paced.pace[1] == 1.0
+    assert paced.pace[2] == pytest.approx(blending.SLOWEST / 0.2)
+    times = np.linspace(-1.0, 1.0, 2001)
+    added = blending.Passing(offsets, paced, window).at(times)[:, 0, 0]
+    pushed = np.abs(np.diff(added[times >= 0.0], n=2)) / (times[1] - times[0]) ** 2
+    assert 1.9 < pushed.max() < 2.05
+
+
+@given(arrays(np.float64, (3, 2, 3), elements=st.floats(-1.0, 1.0)), st.floats(0.02, 0.28))
+def test_a_cut_before_the_last_is_over_makes_no_leap(vectors: np.ndarray, since: float) -> None:
+    """Two cuts among three poses held still, the second while the first is not over: pose and velocity go on through it."""
+    first, second, third = quaternion.from_rotvec(vectors)
+    window, still = blending.Window(0.3, 0.3, 0.5), blending.Paced(np.zeros((3, 3)), np.ones(3))
+    ground = np.array([[0.3, 0.0, 0.1]])
+    passed = blending.Passing(np.concatenate([blending.rotation_offset(first, second), ground]), still, window)
+    offset = np.concatenate([blending.rotation_offset(second, third), -2.0 * ground])
+    offset, velocity = blending.absorbed(offset, np.zeros((3, 3)), passed, since)
+    passing = blending.Passing(offset, blending.Paced(velocity, np.ones(3)), window)
+
+    def performed(times: np.ndarray) -> np.ndarray:
+        late = times >= 0.0
+        earlier = passed.at(since + times)
+        earlier[late] = 0.0
+        pose = np.where(late[:, None, None], third, second)
+        for added in (earlier, passing.at(times)):
+            pose = blending.add_rotation(pose, added[:, :-1])
+        return pose
+
+    h = 1e-5
+    turned = quaternion.angle(*(performed(np.array([-2 * h, -h, 0.0, h]))[k] for k in (slice(0, 3), slice(1, 4)))) / h
+    assert turned.max() < 20.0  # it would be thousands over a leap
+    assert np.ptp(turned, axis=0).max() < 0.1
+    left = passed.at(np.array([since]))[0, -1, 0] + passing.at(np.array([-h]))[0, -1, 0]
+    assert left == pytest.approx(-0.6 + passing.at(np.zeros(1))[0, -1, 0], abs=1e-3)
+
+
 def test_one_sided_starts_at_the_offset() -> None:
     """Live, the first frame entered has the pose of what was left."""
     got = blending.one_sided(np.array([[0.3, 0.0, 0.1]]), np.zeros((1, 3)), np.array([0.0, 0.2, 0.5]), 0.4)

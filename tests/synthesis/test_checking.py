@@ -148,7 +148,8 @@ def test_nothing_is_carried_far_by_a_leap_of_its_velocity() -> None:
     """A loose joint that leaps by 40 rad/s goes .1 rad beyond at most, one that sets the length keeps its time."""
     window = blending.Window(0.4, 0.4, 0.5)
     velocities = np.array([[40.0, 0.0, 0.0], [0.5, 0.0, 0.0], [40.0, 0.0, 0.0]])
-    paced = blending.at_their_own_pace(velocities, window, np.array([True, True, False]))
+    loose = np.array([True, True, False])
+    paced = blending.at_their_own_pace(np.zeros((3, 3)), velocities, window, loose, np.full(3, 100.0))
     added = blending.two_sided(np.zeros((3, 3)), paced.velocities, np.linspace(-0.5, 0.5, 1001), window, paced.pace)
     farthest = np.abs(added).max(axis=(0, 2))
     assert farthest[0] == pytest.approx(blending.CARRIED, rel=0.02)

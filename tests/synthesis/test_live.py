@@ -47,8 +47,12 @@ def made(request: pytest.FixtureRequest) -> Network:
     return network(repertoire(walk, backwards=True))
 
 
-def test_the_seam_is_that_of_the_whole(made: Network, rng: np.random.Generator) -> None:
+@pytest.mark.parametrize("reach", [1.0 / 30.0, 0.07])
+def test_the_seam_is_that_of_the_whole(
+    made: Network, rng: np.random.Generator, reach: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Offsets and velocities of all joints and the root, anywhere, also where a recording begins or ends."""
+    monkeypatch.setattr("kinesics.synthesis.stage.REACH", reach)
     own = made.repertoire
     stage = Stage.of(own)
     renderer = LiveRenderer(made, [0], pinned=False)
@@ -60,7 +64,7 @@ def test_the_seam_is_that_of_the_whole(made: Network, rng: np.random.Generator) 
         renderer._turn = yaw
         x, z = rng.uniform(-0.2, 0.2, 2)
         at = (np.array([v]) for v in (left, yaw, first, turn, (x, z)))
-        offsets, velocities = seams(own, stage.carrier, *at)
+        offsets, velocities, *_ = seams(own, stage.carrier, *at)
         offset, velocity = renderer._seam(left, first, turn, complex(z, x))
         assert np.abs(offset - offsets[0]).max() < 1e-7
         assert np.abs(velocity - velocities[0]).max() < 1e-5

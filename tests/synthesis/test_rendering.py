@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 from pathlib import Path
 
@@ -117,6 +118,19 @@ def test_no_seams(made: Network, paths: list[int]) -> None:
     steps = quaternion.angle(done.motion.rotations[1:, 1:], done.motion.rotations[:-1, 1:])
     assert np.all(steps[done.cuts - 1] <= 1.15 * usual + np.deg2rad(0.5))
     assert np.abs(np.diff(done.motion.root_positions[:, 1])).max() < 0.03
+
+
+def test_what_places_may_be_accelerated_by_makes_transitions_long(
+    made: Network, paths: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Not only how quick joints turn: a head that is moved by all of the spine takes more time than any joint of that."""
+    own = Stage.of(made.repertoire)
+    borne = []
+    for times in (1.0, 0.1):
+        other = dataclasses.replace(own, places=times * own.places)
+        monkeypatch.setattr(Stage, "of", lambda _, stage=other: stage)
+        borne.append(float(np.mean(1.0 - render(made, paths, pinned=False).provenance.weight)))
+    assert borne[1] > 1.1 * borne[0]
 
 
 def test_feet_stay_where_they_are_put(made: Network, paths: list[int]) -> None:

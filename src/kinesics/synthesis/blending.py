@@ -11,7 +11,8 @@ acceleration stay continuous.
 
 Offsets of rotations are logarithms, ``q_entered = q_left · exp(δ)``: they are added on the right, in the frame of the
 joint itself, so that each path of a joint's rotation is curved by what it lacks and by nothing else. Velocities are changes
-of such logarithms; products of several small offsets are taken as the exponential of their sum.
+of such logarithms. Where a cut follows while the transition before is not over, its offset leads from what that has made of the
+pose (`absorbed`).
 """
 
 from __future__ import annotations
@@ -34,12 +35,14 @@ _PEAK: Final = 10.0 / np.sqrt(3.0)
 """Greatest acceleration of the quintic that goes from 1 to 0 in unit time."""
 _PEAK_OF_VELOCITY: Final = 3.95
 """Greatest acceleration of the quintic that starts at 0 with unit velocity and ends at rest in unit time."""
-
-
 _FARTHEST: Final = 0.1975
 """How far that one goes from 0: the greatest value of t (1 − t)³ (1 + 3t)."""
+SLOWEST: Final = 1.0
+"""Seconds to either side that fingers and the like may take."""
 CARRIED: Final = 0.1
 """Radians that the leap of its velocity may carry a joint which does not set how long a transition takes."""
+_INSTANT: Final = 1e-3
+"""Seconds over which it is told how quickly an offset changes that is known at all times."""
 
 
 def ease(t: Array) -> Array:
@@ -101,21 +104,25 @@ def window(
 
     Parameters
     ----------
-    offsets, velocities : size of each joint's offset (radians, or metres for the root's place) and of the leap of its
-        velocity (per second), shape (n,).
-    accelerations : what each may be accelerated by, per second², shape (n,): the 99th percentile of the recordings.
+    offsets, velocities : size of each offset (of rotations, radians, or of places, metres) and of the leap of its velocity (per
+        second), shape (n,).
+    accelerations : what each may be accelerated by, per second², shape (n,): of the 99th percentile of the recordings.
     before, after : seconds that there are to either side of the cut.
     """
-    # half the offset to either side: ½(d·peak/h² + v·peak_v/h) = a, solved for h
-    a = np.maximum(accelerations, 1e-9)
-    linear = 0.5 * velocities * _PEAK_OF_VELOCITY / a
-    square = 0.5 * offsets * _PEAK / a
-    needed = 0.5 * (linear + np.sqrt(linear * linear + 4.0 * square))
-    half = float(np.clip(needed.max(initial=0.0), SHORTEST, LONGEST))
+    half = float(np.clip(_needed(offsets, velocities, accelerations).max(initial=0.0), SHORTEST, LONGEST))
     first, last = min(half, before), min(half, after)
     # the same acceleration on both sides: the share goes as the square of the time
     weight = first * first + last * last
     return Window(first, last, first * first / weight if weight > 0.0 else 0.5)
+
+
+def _needed(offsets: Array, velocities: Array, accelerations: Array) -> Array:
+    """Seconds that each takes to either side of a cut, so that it is accelerated no more than it may be."""
+    # half the offset to either side: ½(d·peak/h² + v·peak_v/h) = a, solved for h
+    a = np.maximum(accelerations, 1e-9)
+    linear = 0.5 * velocities * _PEAK_OF_VELOCITY / a
+    square = 0.5 * offsets * _PEAK / a
+    return np.asarray(0.5 * (linear + np.sqrt(linear * linear + 4.0 * square)))
 
 
 class Paced(NamedTuple):
@@ -124,25 +131,30 @@ class Paced(NamedTuple):
     velocities: Array
     """Per second, shape (n, 3)."""
     pace: Array
-    """Share of the window's time that each joint takes, shape (n,)."""
+    """The time that each joint takes, as a multiple of the window's, shape (n,)."""
 
 
-def at_their_own_pace(velocities: Array, window: Window, loose: NDArray[np.bool_]) -> Paced:
-    """A transition in which hands, feet and what else does not set its length go over in less time.
+def at_their_own_pace(
+    offsets: Array, velocities: Array, window: Window, loose: NDArray[np.bool_], accelerations: Array
+) -> Paced:
+    """A transition in which hands, fingers, feet and what else does not set its length go over in a time of their own.
 
     What leaps by a great velocity is carried far in a long time: a foot that rolls off, 20° at 10 rad/s in .4 s. Such joints take
-    as much less time, down to `SHORTEST`; what would carry them farther even so is a glitch of the recording and left out.
+    as much less time, down to `SHORTEST`; what would carry them farther even so is a glitch of the recording and left out. What
+    hardly ever moves and is held otherwise in what is entered, as fingers are, takes as much more, up to `SLOWEST`.
 
     Parameters
     ----------
-    velocities : that the joints leap by, per second, shape (n, 3).
+    offsets, velocities : that the joints leap by, radians, and per second, shape (n, 3).
     window : of the joints that set the length.
     loose : joints that do not, shape (n,).
+    accelerations : what each may be accelerated by, per second², shape (n,); infinite of what is not to take longer.
     """
     speed = np.linalg.norm(velocities, axis=-1)
     longest = max(window.before, window.after, 1e-9)
     carried = 0.5 * _FARTHEST * longest * np.maximum(speed, 1e-9)
-    pace = np.where(loose, np.clip(CARRIED / carried, min(SHORTEST / longest, 1.0), 1.0), 1.0)
+    wanted = np.clip(_needed(np.linalg.norm(offsets, axis=-1), speed, accelerations), longest, SLOWEST) / longest
+    pace = np.where(loose, np.clip(CARRIED / carried, min(SHORTEST / longest, 1.0), np.maximum(wanted, 1.0)), 1.0)
     kept = np.where(loose, np.minimum(CARRIED / (carried * pace), 1.0), 1.0)
     return Paced(velocities * kept[:, None], pace)
 
@@ -157,7 +169,7 @@ def two_sided(offset: Array, velocity: Array, times: Array, window: Window, pace
     ----------
     offset : of what is entered from what is left, at the first frame entered: (..., 3).
     velocity : the same of the velocities, per second.
-    pace : share of the window's time that each takes, shape (...).
+    pace : the time that each takes, as a multiple of the window's, shape (...).
 
     Returns
     -------
@@ -174,6 +186,40 @@ def two_sided(offset: Array, velocity: Array, times: Array, window: Window, pace
         out[early] = decay(s * offset, -s * velocity, -at[early], window.before * pace)
     out[late] = decay((s - 1.0) * offset, (s - 1.0) * velocity, at[late], max(window.after, 1e-9) * pace)
     return out
+
+
+@dataclass(frozen=True, eq=False)
+class Passing:
+    """What one transition adds to the recordings on both sides of its cut."""
+
+    offset: Array
+    """Of rotations and (last) the root's place, shape (n, 3)."""
+    paced: Paced
+    window: Window
+
+    def at(self, times: Array) -> Array:
+        """Seconds from the cut, shape (times,) to (times, n, 3): see `two_sided`."""
+        return two_sided(self.offset, self.paced.velocities, times, self.window, self.paced.pace)
+
+
+def absorbed(offset: Array, velocity: Array, earlier: Passing, since: float) -> tuple[Array, Array]:
+    """Offset and velocity of a cut at which an earlier transition is not over yet: what remains of that ends here.
+
+    Rotations do not commute: of two offsets borne at the same time the later one, told from the recordings, does not lead from
+    what the earlier one has made of the pose, which would leap at the cut by half the product of the two.
+
+    Parameters
+    ----------
+    offset, velocity : of what is entered from what is left as it was recorded: rotations and (last) the root's place, shape (n, 3).
+    since : seconds from the earlier cut to this one.
+    """
+    times = np.array([-_INSTANT, 0.0, _INSTANT])
+    remains = earlier.at(since + times)
+    apart = offset + times[:, None, None] * velocity
+    turned = quaternion.from_rotvec(apart[:, :-1])
+    apart[:, :-1] = rotation_offset(quaternion.from_rotvec(remains[:, :-1]), turned)
+    apart[:, -1] -= remains[:, -1]
+    return apart[1], (apart[2] - apart[0]) / (2.0 * _INSTANT)
 
 
 def rotation_offset(left: Array, entered: Array) -> Array:

@@ -26,7 +26,7 @@ from kinesics.synthesis.network import Network
 from kinesics.synthesis.rehearsal import Rehearsal
 from kinesics.synthesis.rendering import Performance, Provenance
 from kinesics.synthesis.repertoire import BACKWARD_STRANDS
-from kinesics.synthesis.stage import SPARED, Stage
+from kinesics.synthesis.stage import SPARED, Stage, frames_of_reach
 from kinesics.synthesis.treading import Treading
 
 Array = NDArray[np.float64]
@@ -164,6 +164,7 @@ class LiveRenderer:
             joint = network.repertoire.skeleton.parents[joint]
             self._above.insert(0, joint)
         self._starts = network.repertoire.starts.tolist()
+        self._reach = frames_of_reach(network.repertoire.fps)
         network.edges(0, 0), network.met, network.onward  # tables that are made when first asked for
         self.path = -1
         """Number of the path that is being performed, −1 before the first frame."""
@@ -374,7 +375,7 @@ class LiveRenderer:
             offsets[k, self.stage.carrier] = single.as_rotvec(single.undo(own, other))
             offsets[k, -1] = single.subtract(_turned(after, turn), _turned(before, self._turn))
         earlier, now, later = offsets
-        change, span = later - earlier, reached[0] + reached[2]
+        change, span = later - earlier, self._reach * (reached[0] + reached[2])
         velocity = change * (fps / span) if span else np.zeros_like(change)
         # a rotation vector leaps where it passes half a turn; such an offset has no velocity that could be told
         velocity[np.einsum("ij,ij->i", change, change) >= 4.0] = 0.0
@@ -413,7 +414,7 @@ class LiveRenderer:
         """Which image a moment plays, and the frames before, at and after it, −1 where its recording does not reach."""
         strand, frame = divmod(moment, self.network.repertoire.frame_count)
         k = bisect.bisect_right(self._starts, frame)
-        step = -1 if BACKWARD_STRANDS[strand] else 1
+        step = -self._reach if BACKWARD_STRANDS[strand] else self._reach
         inside = range(self._starts[k - 1], self._starts[k])
         return strand % 2, [f if f in inside else -1 for f in (frame - step, frame, frame + step)]
 

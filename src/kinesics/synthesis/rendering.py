@@ -3,8 +3,8 @@
 1. Paths are laid end to end, from recordings whose feet were planted (`kinesics.synthesis.rehearsal`): each is turned about
    the vertical and shifted over the floor so that its bearing feet stand where those stood with which the path before would
    have gone on (`kinesics.synthesis.meeting`).
-2. At every cut the offset of pose and place is taken away over a short time (`kinesics.synthesis.blending`), over a
-   time that accelerates nothing more than the recordings do.
+2. At every cut the offset of pose and place is taken away (`kinesics.synthesis.blending`) over a short time, in which it
+   accelerates neither a joint's turning nor its place more than the recordings do.
 3. Feet that bear stay where they are (after Kovar, Schreiner & Gleicher 2002). Their data tell which part of the sole bears:
    the lower a point, the more (heel, then ball, then tip). What is added to the places of feet and body, so that bearing
    soles neither slide nor hover and nothing is accelerated more than need be, is sought for all frames at once
@@ -20,6 +20,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, NamedTuple
@@ -40,7 +41,7 @@ from kinesics.synthesis.planting import Footed, pin, put_arms_clear
 from kinesics.synthesis.ranges import YIELD, envelope, put_joint, put_within_range
 from kinesics.synthesis.rehearsal import played
 from kinesics.synthesis.repertoire import Repertoire
-from kinesics.synthesis.stage import SPARED, Stage, bearing, seams, turn_bodies
+from kinesics.synthesis.stage import LEAST_TURNING, SPARED, Seams, Stage, bearing, seams, turn_bodies
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -223,10 +224,8 @@ class _Laid:
     """Frames at which a transition arrives."""
     rotations: Array
     roots: Array
-    offsets: Array
-    """Of every cut, joints and (last) the root's place: shape (cuts, joints + 1, 3)."""
-    velocities: Array
-    """The same of what they change by in a second."""
+    seams: Seams
+    """Of the cuts."""
     room: Array
     """Seconds before and after each cut to the beginning and the end: shape (cuts, 2)."""
     fps: float
@@ -269,22 +268,18 @@ def _lay(
 
     jumps = np.nonzero(first[1:] != onward[:-1])[0] + 1
     cuts = begins[jumps]
-    joints = repertoire.skeleton.joint_count
-    offsets = np.zeros((len(cuts), joints + 1, 3))
-    velocities = np.zeros_like(offsets)
-    if len(cuts):
-        world = turn + bent[:-1]
-        offsets, velocities = seams(
-            repertoire,
-            carrier,
-            onward[jumps - 1],
-            world[jumps - 1] + extra[jumps - 1],
-            first[jumps],
-            world[jumps],
-            np.stack([aside.imag, aside.real], axis=-1)[jumps - 1],
-        )
+    world = turn + bent[:-1]
+    crossed = seams(
+        repertoire,
+        carrier,
+        onward[jumps - 1],
+        world[jumps - 1] + extra[jumps - 1],
+        first[jumps],
+        world[jumps],
+        np.stack([aside.imag, aside.real], axis=-1)[jumps - 1],
+    )
     room = np.stack([cuts, frames - cuts], axis=-1) / fps
-    return _Laid(moments, step, chosen[step], cuts, rotations, roots, offsets, velocities, room, fps)
+    return _Laid(moments, step, chosen[step], cuts, rotations, roots, crossed, room, fps)
 
 
 def _met(network: Network, played: Repertoire, chosen: Indices) -> tuple[NDArray[np.complex128], Array]:
@@ -328,39 +323,44 @@ def _blend(stage: Stage, laid: _Laid, threshold: float) -> _Blended:
 
 def _inertial(stage: Stage, laid: _Laid, room: Array) -> tuple[_Blended, Array]:
     """The offset of every cut taken away; seconds before and after each over which it was, shape (cuts, 2)."""
-    frames = len(laid.moments)
+    frames, fps, crossed = len(laid.moments), laid.fps, laid.seams
     rotations, roots = laid.rotations.copy(), laid.roots.copy()
     weight = np.ones(frames)
-    added = np.zeros((frames, *laid.offsets.shape[1:])) if len(laid.cuts) else None
     spans = np.zeros((len(laid.cuts), 2))
-    loose = np.ones(laid.offsets.shape[1], dtype=np.bool_)
-    loose[stage.blended] = False
+    which = stage.blended
+    # hands and head go farther than any joint tells: each joint that they hang on adds to it
+    sizes, speeds = (
+        np.concatenate([np.linalg.norm(turned[:, which], axis=-1), np.linalg.norm(moved, axis=-1)], axis=1)
+        for turned, moved in ((crossed.offsets, crossed.places), (crossed.velocities, crossed.moving))
+    )
+    spared = SPARED * np.concatenate([stage.accelerations[which], stage.places])
+    loose = np.ones(len(stage.accelerations), dtype=np.bool_)
+    loose[which] = False
+    slowly = np.maximum(SPARED * stage.accelerations, LEAST_TURNING)
+    slowly[stage.lower] = np.inf
+    ends = [*laid.cuts[1:].tolist(), frames]
+    passing: blending.Passing | None = None
     for k, cut in enumerate(laid.cuts.tolist()):
-        assert added is not None
-        size, speed = np.linalg.norm(laid.offsets[k], axis=-1), np.linalg.norm(laid.velocities[k], axis=-1)
-        which = stage.blended
-        span = blending.window(
-            size[which],
-            speed[which],
-            SPARED * stage.accelerations[which],
-            before=room[k, 0],
-            after=room[k, 1],
-        )
+        offset, velocity = crossed.offsets[k], crossed.velocities[k]
+        if passing is not None:
+            offset, velocity = blending.absorbed(offset, velocity, passing, (cut - laid.cuts[k - 1]) / fps)
+            sizes[k, : len(which)] = np.linalg.norm(offset[which], axis=-1)
+            speeds[k, : len(which)] = np.linalg.norm(velocity[which], axis=-1)
+        span = blending.window(sizes[k], speeds[k], spared, before=room[k, 0], after=room[k, 1])
         spans[k] = span.before, span.after
-        a = max(0, cut - int(np.ceil(span.before * laid.fps)))
-        b = min(frames, cut + int(np.ceil(span.after * laid.fps)) + 1)
-        times = (np.arange(a, b) - cut) / laid.fps
-        paced = blending.at_their_own_pace(laid.velocities[k], span, loose)
-        added[a:b] += blending.two_sided(laid.offsets[k], paced.velocities, times, span, paced.pace)
+        passing = blending.Passing(offset, blending.at_their_own_pace(offset, velocity, span, loose, slowly), span)
+        slowest = max(1.0, float(passing.paced.pace.max()))
+        a = max(0, cut - math.ceil(slowest * span.before * fps))
+        b = min(ends[k], cut + math.ceil(slowest * span.after * fps) + 1)
+        times = (np.arange(a, b) - cut) / fps
+        added = passing.at(times)
+        rotations[a:b] = blending.add_rotation(rotations[a:b], added[:, :-1])
+        roots[a:b] += added[:, -1]
         own = np.where(times < 0.0, 1.0 - span.share_before * blending.ease(1.0 + times / max(span.before, 1e-9)), 0.0)
         own += np.where(
             times >= 0.0, 1.0 - (1.0 - span.share_before) * blending.ease(1.0 - times / max(span.after, 1e-9)), 0.0
         )
         weight[a:b] = np.minimum(weight[a:b], own)
-    if added is not None:
-        touched = np.nonzero(np.any(added != 0.0, axis=(1, 2)))[0]
-        rotations[touched] = blending.add_rotation(rotations[touched], added[touched, :-1])
-        roots += added[:, -1]
     return _Blended(rotations, roots, weight), spans
 
 

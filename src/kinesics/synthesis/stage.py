@@ -11,7 +11,7 @@ import functools
 import itertools
 import weakref
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +37,9 @@ LEAST_TURNING: Final = 1.0
 """rad/s²: legs that stand perfectly still in the recordings may yet be turned by so much; nobody sees it."""
 LEAST_BODY: Final = 0.1
 """m/s²: the same of the body."""
+REACH: Final = 1.0 / 30.0
+"""Seconds to either side over which velocities and accelerations are taken: from frame to frame they would be the tremble of the
+markers."""
 SPARED: Final = 0.5
 """Share of that acceleration which the transition may add to the recordings' own."""
 BEARING: Final = 0.008
@@ -75,6 +78,8 @@ class Stage:
     """Metres."""
     accelerations: Array
     """99th percentile for each joint (rad/s²) and, last, for the root's place (m/s²), shape (joints + 1,)."""
+    places: Array
+    """The same of the joints' places (m/s²), shape (joints,)."""
     blended: Indices
     """Joints that set the length of a transition: those of the body, not fingers or toes; and the root's place."""
     middle: Array
@@ -115,8 +120,8 @@ class Stage:
         strands = (0, 1) if repertoire.mirrored else (0,)
         rotations = repertoire.rotations[list(strands)]
         accelerations = np.full(skeleton.joint_count + 1, 1e-6)
-        # over a thirtieth of a second to either side: from frame to frame it would be the tremble of the markers
-        w = max(1, round(fps / 30.0))
+        places = np.full(skeleton.joint_count, 1e-6)
+        w = frames_of_reach(fps)
         inside = _inner(repertoire, w)
         if len(inside):
             seconds = w / fps
@@ -136,9 +141,14 @@ class Stage:
         levels = 0.5 * (found.levels + found.levels[::-1])
         capsules = Capsules.of(whole)
         deepest = np.zeros(len(capsules.pairs))
+        pushed: list[Array] = []
         for strand in strands:
             known = kinematics.forward(skeleton, repertoire.rotations[strand], repertoire.root_positions[strand])
+            at = known.positions
+            pushed.append(_length(at[inside + w] - 2.0 * at[inside] + at[inside - w]) * (fps / w) ** 2)
             deepest = np.maximum(deepest, capsules.depths(*known).max(axis=0, initial=0.0))
+        if len(inside):
+            np.maximum(np.quantile(np.concatenate(pushed), YARDSTICK, axis=0), places, out=places)
         return cls(
             repertoire,
             legs,
@@ -148,6 +158,7 @@ class Stage:
             found.slow,
             found.stature,
             accelerations,
+            places,
             _body_joints(repertoire),
             middle,
             carrier,
@@ -162,6 +173,11 @@ class Stage:
             capsules,
             deepest,
         )
+
+
+def frames_of_reach(fps: float) -> int:
+    """Frames before and after a moment over which it is told how quick joints are there."""
+    return max(1, round(REACH * fps))
 
 
 _stages: weakref.WeakKeyDictionary[Repertoire, Stage] = weakref.WeakKeyDictionary()
@@ -230,6 +246,19 @@ def about_y(yaw: Array) -> Array:
     return np.stack([np.cos(half), zero, np.sin(half), zero], axis=-1)
 
 
+class Seams(NamedTuple):
+    """By how much what is entered differs from what is left, at every cut."""
+
+    offsets: Array
+    """Of joints and (last) the root's place: shape (cuts, joints + 1, 3)."""
+    velocities: Array
+    """What they change by in a second."""
+    places: Array
+    """Of the joints' places in the world, metres, shape (cuts, joints, 3)."""
+    moving: Array
+    """What they change by in a second."""
+
+
 def seams(
     repertoire: Repertoire,
     carrier: int,
@@ -238,8 +267,8 @@ def seams(
     entered: Indices,
     entered_yaw: Array,
     aside: Array,
-) -> tuple[Array, Array]:
-    """Offsets of what is entered from what is left, and how quickly they change, shapes (cuts, joints + 1, 3).
+) -> Seams:
+    """Offsets of what is entered from what is left, and how quickly they change.
 
     Parameters
     ----------
@@ -247,7 +276,8 @@ def seams(
     left_yaw, entered_yaw : by which each is turned, radians.
     aside : by which the root of what is entered lies beside that of what is left, in the world: x, z, metres, shape (cuts, 2).
     """
-    around = np.array([[-1], [0], [1]])
+    reach = frames_of_reach(repertoire.fps)
+    around = np.array([[-reach], [0], [reach]])
     sides = np.stack([left, entered])
     moments = repertoire.advance(sides[None], around[..., None])
     there = np.asarray((moments >= 0).all(axis=1))
@@ -255,19 +285,22 @@ def seams(
     yaw = np.broadcast_to(np.stack([left_yaw, entered_yaw]), moments.shape).ravel()
     q, roots = repertoire.rotations_of(moments.ravel()), repertoire.roots_of(moments.ravel())
     turn_bodies(repertoire, carrier, q, yaw)
-    q = q.reshape(*moments.shape, *q.shape[1:])
-    place = quaternion.rotate(about_y(yaw), roots).reshape(*moments.shape, 3)
+    roots = quaternion.rotate(about_y(yaw), roots)
+    body = kinematics.forward(repertoire.skeleton, q, roots).positions
+    q, place, body = (v.reshape(*moments.shape, *v.shape[1:]) for v in (q, roots, body))
     turned = blending.rotation_offset(q[:, 0], q[:, 1])
     before, now, after = np.concatenate([turned, (place[:, 1] - place[:, 0])[:, :, None]], axis=2)
-    span = (there[0].astype(np.float64) + there[2].astype(np.float64))[:, None, None]
+    span = reach * (there[0].astype(np.float64) + there[2].astype(np.float64))[:, None, None]
     fps = repertoire.fps
     # a rotation vector leaps where it passes half a turn; such an offset has no velocity that could be told
     change = after - before
     velocity = np.where(span > 0.0, change / np.maximum(span, 1.0) * fps, 0.0)
     velocity = np.where(np.linalg.norm(change, axis=-1, keepdims=True) < 2.0, velocity, 0.0)
-    now = now.copy()
+    away = body[:, 1] - body[:, 0]
+    moving = np.where(span > 0.0, (away[2] - away[0]) / np.maximum(span, 1.0) * fps, 0.0)
+    now, apart = now.copy(), away[1] - now[:, -1:]
     now[:, -1, [0, 2]] = aside
-    return now, velocity
+    return Seams(now, velocity, apart + now[:, -1:], moving)
 
 
 def bearing(height: Array) -> Array:
