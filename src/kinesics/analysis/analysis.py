@@ -218,7 +218,13 @@ def analyze(
 
 
 def summarize_speed(speeds: Sequence[Array], fps: Sequence[float]) -> Speed:
-    """Mean, median and greatest speed over all sources, each step counted by its duration; all None where nothing moves."""
+    """Mean, median and greatest speed over all sources, each step counted by its duration; all None where nothing moves.
+
+    Parameters
+    ----------
+    speeds : √(2D)/Δt of the step to each frame, 1/s, shape (frames,) for each source; the first entry stands for no step.
+    fps : of each source.
+    """
     steps = [s[1:] for s in speeds]
     counted = [(s, 1.0 / f) for s, f in zip(steps, fps, strict=True) if len(s)]
     if not counted:

@@ -266,6 +266,17 @@ def beyond_links(
     A foot's frame is the world's while it stands flat, turned to where the toes point; where the clip does not show it
     standing, that of the rest pose. Every other joint goes on from its parent as at rest or, where the rest is no human pose,
     along the axes that are nearest to the average of the clip.
+
+    Parameters
+    ----------
+    frames : K of those that carry one, quaternions, shape (joints, 4).
+    positions, world : of all joints in the world, shapes (frames, joints, 3) and (frames, joints, 4).
+    rests : whether the rest pose is a human pose.
+
+    Returns
+    -------
+    Array
+        K of all joints, shape (joints, 4).
     """
     frames = frames.copy()
     carriers = {

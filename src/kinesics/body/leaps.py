@@ -56,7 +56,7 @@ class Steps(NamedTuple):
 
 
 def continuous(q: Array) -> Array:
-    """Without flips of sign: −q is the same rotation, and every file that flips would seem to leap and to tremble."""
+    """Rotations (frames, joints, 4) without flips of sign: −q is the same, and a file that flips would seem to leap and tremble."""
     if np.any(np.einsum("fji,fji->fj", q[1:], q[:-1]) < 0.0):
         return quaternion.continuous(q)
     return q

@@ -54,7 +54,7 @@ def _longest_way(motion: Motion) -> float:
 
 
 def reaches(motion: Motion) -> Array:
-    """From each joint to the farthest point that hangs on it, along the bones, metres."""
+    """From each joint to the farthest point that hangs on it, along the bones, metres, shape (joints,)."""
     skeleton = motion.skeleton
     out = np.zeros(skeleton.joint_count)
     for site in skeleton.end_sites:

@@ -120,7 +120,10 @@ def sorted_quantile(values: Array, share: float) -> float:
 
 
 def hysteresis(on: Mask, stay: Mask) -> Mask:
-    """True from where ``on`` is until ``stay`` ends, before and after: stretches of ``stay`` that hold an ``on``."""
+    """True from where ``on`` is until ``stay`` ends, before and after: stretches of ``stay`` that hold an ``on``.
+
+    All of shape (frames, points).
+    """
     out = np.zeros_like(stay)
     for k in range(stay.shape[1]):
         count = np.concatenate([[0], np.cumsum(on[:, k])])

@@ -128,7 +128,7 @@ def mirror(q: ArrayLike) -> Array:
 
 
 def canonical(q: ArrayLike) -> Array:
-    """The one of ±q with w ≥ 0. For storage only: it does not commute with the mirror at w = 0."""
+    """The one of ±q with w ≥ 0, shape (..., 4). For storage only: it does not commute with the mirror at w = 0."""
     q = np.asarray(q, dtype=np.float64)
     return np.where(q[..., :1] < 0.0, -q, q)
 

@@ -81,7 +81,7 @@ def fractional_lags(by_lag: Distances, lags: NDArray[np.intp]) -> Array:
 
 
 def boundaries(speed: Array, lags: Array, noise_speed: float = 0.0) -> Array:
-    """Beginnings of the cycles, fractional moments from the stretch's start; the last one ends the last cycle.
+    """Beginnings of the cycles, fractional moments from the stretch's start, shape (cycles + 1,): the last one ends the last cycle.
 
     Parameters
     ----------

@@ -127,7 +127,10 @@ class Moments:
         )
 
     def tile(self, rows: slice, cols: slice) -> tuple[Floats, Floats]:
-        """D and D* between two ranges of moments: ``d[i, j]`` is of moment ``rows.start + i`` and ``cols.start + j``."""
+        """D and D* between two ranges of moments: ``d[i, j]`` is of moment ``rows.start + i`` and ``cols.start + j``.
+
+        Two of shape (rows, cols); views of what is kept, where the distances were given: not to be written to.
+        """
         if self.dense is not None:
             return self.dense[0][rows, cols], self.dense[1][rows, cols]
         first, second = rows.indices(self.count)[0], cols.indices(self.count)[0]
@@ -143,7 +146,7 @@ class Moments:
         return Prepared(self.poses, self.weights)
 
     def thinned(self, index: NDArray[np.intp]) -> tuple[Floats, Floats]:
-        """D and D* between the moments of an index, all pairs."""
+        """D and D* between the moments of an index, all pairs: two of shape (len(index), len(index)), D with 0 on its diagonal."""
         if self.dense is not None:
             return self.dense[0][np.ix_(index, index)], self.dense[1][np.ix_(index, index)]
         d, mirrored = self._prepared.distances(index, index)
@@ -151,13 +154,13 @@ class Moments:
         return d, mirrored
 
     def between(self, rows: NDArray[np.intp], cols: NDArray[np.intp]) -> tuple[Floats, Floats]:
-        """D and D* between two lists of moments: ``d[i, j]`` is of moment ``rows[i]`` and ``cols[j]``."""
+        """D and D* between two lists of moments, shape (rows, cols): ``d[i, j]`` is of moment ``rows[i]`` and ``cols[j]``."""
         if self.dense is not None:
             return self.dense[0][np.ix_(rows, cols)], self.dense[1][np.ix_(rows, cols)]
         return self._prepared.distances(rows, cols)
 
     def block(self, start: int = 0, end: int | None = None) -> tuple[Floats, Floats]:
-        """D and D* of all pairs of moments in [start, end).
+        """D and D* of all pairs of moments in [start, end), two of shape (end − start, end − start).
 
         Raises
         ------
@@ -181,7 +184,7 @@ class Moments:
         return d, mirrored
 
     def d_by_lag(self, most: int, start: int = 0, end: int | None = None) -> Floats:
-        """D alone by lag: half the memory of `by_lag`."""
+        """D alone by lag, shape (most + 1, end − start): half the memory of `by_lag`."""
         d: Floats = self._by_lag(most, start, end, 1)[0]
         return d
 

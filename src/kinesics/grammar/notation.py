@@ -201,7 +201,13 @@ def parse(graph: MotionGraph, text: str) -> tuple[Token, ...]:
 
 
 def rebuild(graph: MotionGraph, text: str, source: int = 0) -> tuple[Step, ...]:
-    """See `MotionGraph.rebuild`: the n-th time a word is said is the n-th time that step was seen."""
+    """See `MotionGraph.rebuild`: the n-th time a word is said is the n-th time that step was seen.
+
+    Raises
+    ------
+    InputError
+        As `MotionGraph.rebuild`.
+    """
     from kinesics.grammar.graph import Step
 
     tokens = parse(graph, text)

@@ -96,7 +96,13 @@ def posture(base: Array | None = None, **degrees: float) -> Array:
 
 
 def entries_of(name: str) -> tuple[list[int], float]:
-    """Which entries a name means, and what share of its value each takes. Names as in `posture`; InputError if unknown."""
+    """Which entries a name means, and what share of its value each takes. Names as in `posture`.
+
+    Raises
+    ------
+    InputError
+        If the name is unknown.
+    """
     part, _, kind = name.partition("_")
     if name in ANGLE:
         return [ANGLE[name]], 1.0

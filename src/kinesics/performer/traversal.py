@@ -252,7 +252,18 @@ def traversal_score(
     seed: int = 0,
     parts: Sequence[Part] | None = None,
 ) -> Score:
-    """The score of a traversal: parameters and errors as in `traverse`; ``parts`` names the phrases (default: one of all steps)."""
+    """The score of a traversal.
+
+    Parameters
+    ----------
+    graph, steps, seconds, first_hold, tempo_jitter, seed : as in `traverse`.
+    parts : the phrases; one of all steps, without.
+
+    Raises
+    ------
+    InputError
+        As `traverse`.
+    """
     taken = [parse_step(s) for s in steps]
     if not taken:
         raise InputError("Expected at least one step to take.")

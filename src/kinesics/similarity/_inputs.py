@@ -59,7 +59,7 @@ def check_poses(poses: Poses, name: str = "poses") -> Checked:
 
 
 def check_weights(weights: Weights | None) -> Array:
-    """One weight for each of the 15 links; None weighs all alike.
+    """One weight for each of the 15 links, shape (15,); None weighs all alike.
 
     A mapping names links of `kinesics.vocabulary.LINKS`, or limbs without their side ("femur", "tibia", "humerus",
     "radius") for both; links it does not name weigh 1.

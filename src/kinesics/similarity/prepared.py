@@ -38,7 +38,10 @@ class Prepared:
         return self._packed.frames
 
     def distances(self, rows: Index, columns: Index) -> tuple[Floats, Floats]:
-        """D and D* of frames ``rows`` (down) and ``columns`` (across). Rounding leaves up to 4e-7 between equal poses."""
+        """D and D* of frames ``rows`` (down) and ``columns`` (across), two of shape (rows, columns).
+
+        Rounding leaves up to 4e-7 between equal poses.
+        """
         packed_rows, row_start, height = self._part(rows)
         packed_columns, column_start, width = self._part(columns)
         # the kernels begin at multiples of LANES: what comes before is computed, and left out

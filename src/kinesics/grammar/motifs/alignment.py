@@ -16,7 +16,16 @@ Floats = NDArray[np.float32]
 
 
 def seed_costs(tile: Floats, bend: np.float32, *, backwards: bool) -> Floats:
-    """Mean distance along the cheapest path of all rows that passes the middle row at each column, the worse half."""
+    """Mean distance along the cheapest path of all rows that passes the middle row at each column, the worse half.
+
+    Shape (columns,).
+
+    Parameters
+    ----------
+    tile : distances of a stretch (an odd number of rows) and all moments, shape (rows, columns).
+    bend : what it costs to go by no column or by two in place of one.
+    backwards : the columns run backwards.
+    """
     if compiled.wanted():
         out = np.empty(tile.shape[1], dtype=np.float32)
         compiled.native.seed_costs(np.ascontiguousarray(tile), float(bend), backwards, out)
@@ -50,7 +59,14 @@ def _lower(best: Floats, run: Floats, shift: int, cost: float | np.float32) -> N
 
 
 def advance(total: Array, before: Array, gain: Array, bend: float) -> Array:
-    """One row further: from one row and one column back, one row and two columns, or two rows and one column."""
+    """Gains of paths one row further: from one row and one column back, one row and two columns, or two rows and one column.
+
+    Parameters
+    ----------
+    total, before : greatest gains of the paths that end at each column of the last row and of the one before it, shape (columns,).
+    gain : of each column of the row that is reached, of as many columns as any path can reach there.
+    bend : what a step costs that is not of one row and one column.
+    """
     m = len(gain)
     best = np.full(len(total), -np.inf)
     best[1:m] = total[: m - 1]
@@ -63,8 +79,9 @@ def advance(total: Array, before: Array, gain: Array, bend: float) -> Array:
 def subsequence(tile: Floats, bend: float, *, backwards: bool = False) -> tuple[Floats, NDArray[np.intp]]:
     """The cheapest way through all rows that ends at each column: summed distance, and the column it began at.
 
-    Each step goes on by one row and one column, one row and two columns, or two rows and one column (the row between counts as
-    much as the one that is reached), so that the tempo stays between half and double. With ``backwards`` the last row comes first.
+    Two of shape (columns,). Each step goes on by one row and one column, one row and two columns, or two rows and one column (the
+    row between counts as much as the one that is reached), so that the tempo stays between half and double. With ``backwards``
+    the last row comes first.
     """
     rows, n = tile.shape
     if compiled.wanted():

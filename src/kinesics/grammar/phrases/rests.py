@@ -23,7 +23,12 @@ _SMOOTH_S: Final = 0.3
 
 
 def rests(coarse: Moments, by_lag: Floats) -> list[tuple[int, int]]:
-    """Stretches of at least `REST_S` in which no two moments a rest apart differ by more than a body at rest sways."""
+    """Stretches [start, end) of at least `REST_S` in which no two moments a rest apart differ by more than a body at rest sways.
+
+    Parameters
+    ----------
+    by_lag : D of ``coarse`` by lag (`Moments.by_lag`), up to `REST_S` at least.
+    """
     n = coarse.count
     span = max(2, round(REST_S * coarse.fps))
     if n <= span:
@@ -48,7 +53,7 @@ def sway(coarse: Moments) -> float:
 
 
 def calmness(coarse: Moments) -> Array:
-    """Speed, smoothed a little: the lower, the calmer."""
+    """Speed on the moments, 1/s, smoothed a little, shape (moments,): the lower, the calmer."""
     width = max(1, round(_SMOOTH_S * coarse.fps)) | 1
     weights = np.hanning(width + 2)[1:-1]
     # steps lead from one moment to the next: put them on the moments

@@ -37,12 +37,12 @@ def cut_at(stretches: Iterable[tuple[int, int]], breaks: Sequence[int]) -> Itera
 
 
 def below(row: Floats, limit: float) -> list[tuple[int, int]]:
-    """[start, end) of each stretch of values below a limit."""
+    """[start, end) of each stretch of values, shape (moments,), below a limit."""
     return runs(row < limit)
 
 
 def spaced(start: int, end: int) -> NDArray[np.intp]:
-    """Moments evenly spaced over a stretch, its ends included."""
+    """`POINTS` moments evenly spaced over a stretch, its ends included."""
     return np.linspace(start, end, POINTS).round().astype(np.intp)
 
 
