@@ -53,6 +53,23 @@ class MovementClass(StrEnum):
     STILL = "still"
 
 
+CLASS_WORDS: Final[dict[MovementClass, str]] = {
+    MovementClass.CYCLIC_ASYMMETRIC: "cyclic, without symmetry",
+    MovementClass.CYCLIC_ANTIPHASE: "cyclic, left and right in turn",
+    MovementClass.CYCLIC_SYMMETRIC: "cyclic, left and right together",
+    MovementClass.CYCLIC_PALINDROMIC: "cyclic, to and fro",
+    MovementClass.CYCLIC_ANTIPALINDROMIC: "cyclic, taken back as its mirror image",
+    MovementClass.CYCLIC_ANTIPHASE_PALINDROMIC: "cyclic, to and fro, left and right in turn",
+    MovementClass.CYCLIC_SYMMETRIC_PALINDROMIC: "cyclic, to and fro, left and right together",
+    MovementClass.ASYMMETRIC: "made once, without symmetry",
+    MovementClass.SYMMETRIC: "made once, left and right together",
+    MovementClass.PALINDROMIC: "made once, to and fro",
+    MovementClass.ANTIPALINDROMIC: "made once, taken back as its mirror image",
+    MovementClass.SYMMETRIC_PALINDROMIC: "made once, to and fro, left and right together",
+    MovementClass.STILL: "still",
+}
+"""Each class in a few words."""
+
 FRIEZE_GROUPS: Final[dict[MovementClass, str]] = {
     MovementClass.CYCLIC_ASYMMETRIC: "p1",
     MovementClass.CYCLIC_ANTIPHASE: "p11g",

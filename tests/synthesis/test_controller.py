@@ -579,7 +579,7 @@ def test_impossible_wishes_are_refused(make: Callable[[], object], words: str) -
         ({"position": (0.0, math.nan)}, "`position`"),
         (
             {"goal": Favour("walks")},
-            r"No class, label, state, phrase or recording 'walks'. There are, with .*\n(.*\n)*.* states: B",
+            r"No class, label, state, phrase or recording 'walks'. There are, with .*\n(.*\n)*  states: A \(on",
         ),
         ({"goal": Favour("cyclic-antifase")}, "Did you mean cyclic-antiphase"),
         ({"goal": StateToState("A", "C")}, "state"),

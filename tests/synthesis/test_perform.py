@@ -351,6 +351,7 @@ def test_one_word_that_is_nearly_right_is_answered_with_the_name(walks: list[kx.
     assert list(told) == ["recordings", "classes", "phrases", "states", "paths between states"]
     assert re.fullmatch(r"strange-walk_007 \(1\d\.\d s\)", told["recordings"])
     assert told["classes"].startswith("cyclic-antiphase (cyclic, left and right in turn: 1")
+    assert told["phrases"].startswith("kind 1 (cyclic-antiphase: 1")
     assert "A* (on the way there: " in told["states"]
     assert "(A to A*: " in told["paths between states"]
 

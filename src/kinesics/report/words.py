@@ -12,46 +12,34 @@ from kinesics.analysis import Analysis
 from kinesics.analysis.facts import MotifMember, Overall, Phrase, Source
 from kinesics.analysis.facts import source_names as _source_names
 from kinesics.grammar.graph import MotionGraph
+from kinesics.vocabulary import CLASS_WORDS, MovementClass
 
-CLASSES: Final[dict[str, tuple[str, str]]] = {
+_SENTENCES: Final[dict[str, str]] = {
     "cyclic-asymmetric": (
-        "cyclic, without symmetry",
-        "It returns again and again; within a cycle nothing is mirrored and nothing is taken back. Limping is so.",
+        "It returns again and again; within a cycle nothing is mirrored and nothing is taken back. Limping is so."
     ),
     "cyclic-antiphase": (
-        "cyclic, left and right in turn",
-        "Half a cycle later the mirror image of every pose comes: what left does, right does next. Walking is so.",
+        "Half a cycle later the mirror image of every pose comes: what left does, right does next. Walking is so."
     ),
-    "cyclic-symmetric": (
-        "cyclic, left and right together",
-        "Left and right do the same at once, and no way is taken back. The butterfly stroke is so.",
-    ),
-    "cyclic-palindromic": (
-        "cyclic, to and fro",
-        "Every way is taken back the way it came, and left and right differ. Waving one hand is so.",
-    ),
+    "cyclic-symmetric": "Left and right do the same at once, and no way is taken back. The butterfly stroke is so.",
+    "cyclic-palindromic": "Every way is taken back the way it came, and left and right differ. Waving one hand is so.",
     "cyclic-antipalindromic": (
-        "cyclic, taken back as its mirror image",
-        "Played backwards, it is its own mirror image. One arm circling forwards and the other backwards is so.",
+        "Played backwards, it is its own mirror image. One arm circling forwards and the other backwards is so."
     ),
     "cyclic-antiphase-palindromic": (
-        "cyclic, to and fro, left and right in turn",
-        "Every way is taken back the way it came, first on one side, then on the other. Jogging in place is so.",
+        "Every way is taken back the way it came, first on one side, then on the other. Jogging in place is so."
     ),
     "cyclic-symmetric-palindromic": (
-        "cyclic, to and fro, left and right together",
-        "Left and right do the same at once, and every way is taken back the way it came. Jumping jacks are so.",
+        "Left and right do the same at once, and every way is taken back the way it came. Jumping jacks are so."
     ),
-    "asymmetric": ("made once, without symmetry", "Nothing is mirrored and nothing is taken back."),
-    "symmetric": ("made once, left and right together", "Left and right do the same at once."),
-    "palindromic": ("made once, to and fro", "It is taken back the way it came."),
-    "antipalindromic": ("made once, taken back as its mirror image", "Played backwards, it is its own mirror image."),
-    "symmetric-palindromic": (
-        "made once, to and fro, left and right together",
-        "Left and right do the same at once, and it is taken back the way it came.",
-    ),
-    "still": ("still", "No joint moves by more than a body at rest sways."),
+    "asymmetric": "Nothing is mirrored and nothing is taken back.",
+    "symmetric": "Left and right do the same at once.",
+    "palindromic": "It is taken back the way it came.",
+    "antipalindromic": "Played backwards, it is its own mirror image.",
+    "symmetric-palindromic": "Left and right do the same at once, and it is taken back the way it came.",
+    "still": "No joint moves by more than a body at rest sways.",
 }
+CLASSES: Final[dict[str, tuple[str, str]]] = {c.value: (CLASS_WORDS[c], _SENTENCES[c]) for c in MovementClass}
 """Each class in a few words, and in a sentence."""
 
 _LIKE: Final = {

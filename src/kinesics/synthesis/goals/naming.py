@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.errors import InputError, some_of
+from kinesics.vocabulary import CLASS_WORDS
 
 if TYPE_CHECKING:
     from kinesics.synthesis.network import Network
@@ -20,6 +21,7 @@ Mask = NDArray[np.bool_]
 _LEAST_WORD: Final = 3
 _LEAST_NUMBER: Final = 2
 _LISTED: Final = 30
+_OF_A_SORT: Final = 12
 _SEVERAL: Final = 8
 
 
@@ -51,7 +53,7 @@ def paths_of(network: Network, name: str) -> Mask:
         left_out = [name] if name in every else with_word(name, every)
         if left_out:
             raise unusable(left_out)
-        raise InputError(unknown("class, label, state, phrase or recording", name, set().union(*words)))
+        raise InputError(_unknown_favour(network, name))
     return found
 
 
@@ -98,15 +100,74 @@ def unknown(what: str, name: str, known: Iterable[str]) -> str:
             f"No {what} {name!r}: the paths of this network have no names; "
             "`kinesics.synthesis.labels.labelled` gives them the grammar's."
         )
-    # one word of a name may be meant as well as all of it
+    listed = ", ".join(there[:_LISTED]) + (f" and {len(there) - _LISTED} more" if len(there) > _LISTED else "")
+    return f"No {what} {name!r}.{_meant(name, there)} There are: {listed}."
+
+
+def _meant(name: str, there: Sequence[str]) -> str:
+    """Of sorted names, those that this one may be a slip for: of all of it, or of one word of it."""
     near = difflib.get_close_matches(name, there, n=3, cutoff=0.5)
     words = {word: full for full in reversed(there) for word in _words(full).split() if len(word) > 2}
     near += [full for part in _words(name).split() for full in with_word(part, there) if full not in near]
     near += [words[w] for w in difflib.get_close_matches(name.lower(), words, n=3, cutoff=0.7) if words[w] not in near]
-    listed = ", ".join(there[:_LISTED]) + (f" and {len(there) - _LISTED} more" if len(there) > _LISTED else "")
+    return f" Did you mean {' or '.join(near[:3])}?" if near else ""
+
+
+def _unknown_favour(network: Network, name: str) -> str:
+    """That there is nothing of that name to be favoured, and what there is: of which sort, how long, in plain words."""
+    seconds = np.asarray(network.duration, dtype=np.float64)
+    every = network.repertoire.names
+    sorts: list[tuple[str, Sequence[str], Callable[[str], str]]] = [
+        ("recordings", [every[k] for k in network.recording.tolist()], lambda _: ""),
+        ("classes", network.class_, _class_in_words),
+        ("phrases", network.phrase, _phrase_in_words(network)),
+        ("states", network.state_to, lambda _: "on the way there: "),
+        ("paths between states", network.label, _path_in_words(network)),
+    ]
+    lines = []
+    for sort, words, told in sorts:
+        lasts: dict[str, float] = {}
+        for word, length in zip(words, seconds.tolist(), strict=False):
+            if word:
+                lasts[word] = lasts.get(word, 0.0) + length
+        if not lasts:
+            continue
+        most = sorted(lasts, key=lambda word: (-lasts[word], word))
+        more = f"; {len(most) - _OF_A_SORT} more" if len(most) > _OF_A_SORT else ""
+        lines.append(
+            f"  {sort}: " + "; ".join(f"{word} ({told(word)}{lasts[word]:.1f} s)" for word in most[:_OF_A_SORT]) + more
+        )
+    there = sorted({word for _, words, _ in sorts for word in words} - {""})
     return (
-        f"No {what} {name!r}." + (f" Did you mean {' or '.join(near[:3])}?" if near else "") + f" There are: {listed}."
+        f"No class, label, state, phrase or recording {name!r}.{_meant(name, there)} There are, with the seconds that can be "
+        "performed of each, mirror images counted:\n" + "\n".join(lines)
     )
+
+
+def _class_in_words(slug: str) -> str:
+    known = {c.value: words for c, words in CLASS_WORDS.items()}
+    return f"{known[slug]}: " if slug in known else ""
+
+
+def _phrase_in_words(network: Network) -> Callable[[str], str]:
+    """Of which class most of a phrase is."""
+    lasts: dict[tuple[str, str], float] = {}
+    for phrase, class_, length in zip(network.phrase, network.class_, np.asarray(network.duration), strict=False):
+        lasts[phrase, class_] = lasts.get((phrase, class_), 0.0) + float(length)
+    mostly = {phrase: class_ for (phrase, class_), _ in sorted(lasts.items(), key=lambda item: item[1])}
+    return lambda phrase: f"{mostly[phrase]}: " if mostly.get(phrase) else ""
+
+
+def _path_in_words(network: Network) -> Callable[[str], str]:
+    """Between which states each path of the motion graph goes, where its pieces tell."""
+    begins: dict[str, str] = {}
+    ends: dict[str, str] = {}
+    for label, first, last in zip(network.label, network.state_from, network.state_to, strict=True):
+        if first:
+            begins.setdefault(label, first)
+        if last:
+            ends.setdefault(label, last)
+    return lambda label: f"{begins[label]} to {ends[label]}: " if label in begins and label in ends else ""
 
 
 def _words(name: str) -> str:
