@@ -13,6 +13,8 @@ from kinesics.cli import recording, terminal
 from kinesics.cli.recording import Reading
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from kinesics.analysis import Analysis
 
 _MOST_PHRASES = 40
@@ -130,34 +132,12 @@ def summarize(result: Analysis) -> None:
 
     console = terminal.console()
     names = words.source_names(result)
-    for number, source in enumerate(result.sources):
-        console.print(
-            f"[bold]{terminal.escape(names[number] if source.name else 'a synthetic performance')}[/bold]: "
-            f"{source.duration_s:.1f} s, {terminal.counted(source.frames, 'frame')} at {source.fps:g} fps"
-        )
-        console.print(f"  {terminal.escape(words.headline(result, number))}")
-        phrases = [k for k, p in enumerate(result.phrases) if p.source == number]
-        if len(phrases) > 1:
-            for k in phrases[:_MOST_PHRASES]:
-                console.print(f"    {terminal.escape(words.phrase_line(result, k))}")
-            if len(phrases) > _MOST_PHRASES:
-                console.print(f"    … and {len(phrases) - _MOST_PHRASES} more, in phrases.csv")
-        console.print(f"  {words.stillness(result, number)}")
-        if source.assumptions:
-            console.print(
-                f"  [dim]{terminal.counted(len(source.assumptions), 'assumption')}: see the report, or kinesics info[/dim]"
-            )
+    for number in range(len(result.sources)):
+        _say_recording(console, result, number)
     if len(names) > 1:
         for line in _whose_cycles(result, names):
             console.print(f"  {terminal.escape(line)}")
-    graph = result.graph
-    if graph.states:
-        console.print(f"  motion graph: {words.counted(graph)}")
-        for number in range(len(graph.sources)):
-            said = words.folded(graph.pretty(number).split(" "))
-            short = said if len(said) <= _LONGEST_SENTENCE else said[: said.rfind(" ", 0, _LONGEST_SENTENCE)] + " …"
-            whose = f"{names[number]}: " if len(names) > 1 else ""
-            console.print(f"    {terminal.escape(whose + short)}")
+    _say_graph(console, result, names)
     for surprise in words.surprises(result):
         console.print(f"  [cyan]noteworthy:[/cyan] {terminal.escape(surprise)}")
     for line in result.warnings:
@@ -168,6 +148,45 @@ def summarize(result: Analysis) -> None:
         if len(names) > 1 and result.speed.max_source is not None:
             fastest += f" of {terminal.escape(names[result.speed.max_source])}"
         console.print(f"  {fastest}; contrast β = {result.beta:.3g}")
+
+
+def _say_recording(console: Console, result: Analysis, number: int) -> None:
+    """One recording: what it is, its phrases, where it rests."""
+    from kinesics.report import words
+
+    source = result.sources[number]
+    name = words.source_names(result)[number] if source.name else "a synthetic performance"
+    console.print(
+        f"[bold]{terminal.escape(name)}[/bold]: "
+        f"{source.duration_s:.1f} s, {terminal.counted(source.frames, 'frame')} at {source.fps:g} fps"
+    )
+    console.print(f"  {terminal.escape(words.headline(result, number))}")
+    phrases = [k for k, p in enumerate(result.phrases) if p.source == number]
+    if len(phrases) > 1:
+        for k in phrases[:_MOST_PHRASES]:
+            console.print(f"    {terminal.escape(words.phrase_line(result, k))}")
+        if len(phrases) > _MOST_PHRASES:
+            console.print(f"    … and {len(phrases) - _MOST_PHRASES} more, in phrases.csv")
+    console.print(f"  {words.stillness(result, number)}")
+    if source.assumptions:
+        console.print(
+            f"  [dim]{terminal.counted(len(source.assumptions), 'assumption')}: see the report, or kinesics info[/dim]"
+        )
+
+
+def _say_graph(console: Console, result: Analysis, names: Sequence[str]) -> None:
+    """The motion graph and each recording as a sentence of it, shortened; nothing where no graph was read."""
+    from kinesics.report import words
+
+    graph = result.graph
+    if not graph.states:
+        return
+    console.print(f"  motion graph: {words.counted(graph)}")
+    for number in range(len(graph.sources)):
+        said = words.folded(graph.pretty(number).split(" "))
+        short = said if len(said) <= _LONGEST_SENTENCE else said[: said.rfind(" ", 0, _LONGEST_SENTENCE)] + " …"
+        whose = f"{names[number]}: " if len(names) > 1 else ""
+        console.print(f"    {terminal.escape(whose + short)}")
 
 
 def _whose_cycles(result: Analysis, names: Sequence[str]) -> list[str]:

@@ -9,7 +9,7 @@ hand raised before it waves) does not.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -109,51 +109,11 @@ def cyclic(
     by_lag : D and D* of the stretch by lag (`Moments.by_lag`), up to a period at least.
     path : of the period (`kinesics.grammar.period.find`).
     """
-    d, mirrored = by_lag
-    n, noise = end - start, moments.noise
-    tau = float(np.mean(path.lags))
-    bend = lags.bend_cost(d)
-    reach = max(2, round(tau / 2))
-    glide = lags.follow(mirrored, tau / 2, bend=bend, band=_GLIDE_BAND)
-    turning = lags.turning(d, reach, bend=bend).costs
-    mirrored_turning = lags.turning(mirrored, reach, bend=bend).costs
-    at_once = mirrored[0]
-    speed = _without_noise(moments, start, end)
-
-    width = min(n, max(3, round(tau)))
-    starts = np.unique(
-        np.linspace(0, n - width, max(1, int(np.ceil(2.0 * (n - width) / width)) + 1)).round().astype(int)
-    )
-    ranges = np.array([RANGE * _window_mean(d, a, width) for a in starts])
-    ranges = np.maximum(ranges - RANGE * noise, 1e-12)
-    still = max(_CALM * float(np.quantile(ranges, 0.9)), min(SWAY, 0.5 * float(ranges.max())))
-    held = np.array([_held(path.costs, a, width) for a in starts]) - noise
-    cycling = (ranges > still) & (held < _CYCLING * ranges)
-    if not cycling.any():
-        cycling = ranges > still
-    found: dict[str, list[float]] = {name: [] for name in ("period", "mirror", "glide", "reverse", "both", "turn")}
-    for a, full in zip(starts[cycling], ranges[cycling], strict=True):
-        b = a + width
-
-        def share(cost: float, full: float = float(full)) -> float:
-            return max(cost - noise, 0.0) / full
-
-        if a < len(path.costs):
-            found["period"].append(share(float(path.costs[a:b].mean())))
-        found["mirror"].append(share(float(at_once[a:b].mean())))
-        if glide is not None and a < len(glide.costs):
-            found["glide"].append(share(float(glide.costs[a:b].mean())))
-        places = turning[2 * a : 2 * b - 1]
-        if np.isfinite(places).any():
-            best = int(np.argmin(places))
-            found["reverse"].append(share(float(places[best])))
-            centre = a + best // 2
-            found["turn"].append(_slowest(speed, centre) / max(float(speed[a + 1 : b].mean()), 1e-9))
-        places = mirrored_turning[2 * a : 2 * b - 1]
-        if np.isfinite(places).any():
-            found["both"].append(share(float(places.min())))
-
-    medians = {name: float(np.median(values)) if values else None for name, values in found.items()}
+    d, _ = by_lag
+    tau, noise = float(np.mean(path.lags)), moments.noise
+    windows = _windows(d, path, end - start, tau, noise)
+    medians = _medians(windows, by_lag, path, tau, _without_noise(moments, start, end), noise)
+    starts, width, ranges, still, cycling = windows
     local = np.interp(np.arange(len(path.costs)), starts + width / 2.0, ranges)
     returned = (path.costs - noise < _RECURRED * local) & (local > still)
     moving = _extent(moments, start, end)
@@ -177,6 +137,71 @@ def cyclic(
         medians["turn"],
         float(np.median(ranges[cycling])),
     )
+
+
+class _Windows(NamedTuple):
+    """Stretches one period long, half a period apart."""
+
+    starts: NDArray[np.intp]
+    width: int
+    ranges: Array
+    """How far the movement ranges in each."""
+    still: float
+    """Range up to which one is still."""
+    cycling: NDArray[np.bool_]
+    """Whether each is of the cycle; where none is, whether it moves."""
+
+
+def _windows(d: Distances, path: lags.LagPath, n: int, tau: float, noise: float) -> _Windows:
+    width = min(n, max(3, round(tau)))
+    starts = np.unique(
+        np.linspace(0, n - width, max(1, int(np.ceil(2.0 * (n - width) / width)) + 1)).round().astype(np.intp)
+    )
+    ranges = np.array([RANGE * _window_mean(d, a, width) for a in starts])
+    ranges = np.maximum(ranges - RANGE * noise, 1e-12)
+    still = max(_CALM * float(np.quantile(ranges, 0.9)), min(SWAY, 0.5 * float(ranges.max())))
+    held = np.array([_held(path.costs, a, width) for a in starts]) - noise
+    cycling = (ranges > still) & (held < _CYCLING * ranges)
+    return _Windows(starts, width, ranges, still, cycling if cycling.any() else ranges > still)
+
+
+def _medians(
+    windows: _Windows,
+    by_lag: tuple[Distances, Distances],
+    path: lags.LagPath,
+    tau: float,
+    speed: Array,
+    noise: float,
+) -> dict[str, float | None]:
+    """What each symmetry leaves over in the median window, and the speed at the reversals; None where there is none."""
+    d, mirrored = by_lag
+    bend = lags.bend_cost(d)
+    reach = max(2, round(tau / 2))
+    glide = lags.follow(mirrored, tau / 2, bend=bend, band=_GLIDE_BAND)
+    turning = lags.turning(d, reach, bend=bend).costs
+    mirrored_turning = lags.turning(mirrored, reach, bend=bend).costs
+    found: dict[str, list[float]] = {name: [] for name in ("period", "mirror", "glide", "reverse", "both", "turn")}
+    for a, full in zip(windows.starts[windows.cycling], windows.ranges[windows.cycling], strict=True):
+        b = a + windows.width
+
+        def share(cost: float, full: float = float(full)) -> float:
+            return max(cost - noise, 0.0) / full
+
+        if a < len(path.costs):
+            found["period"].append(share(float(path.costs[a:b].mean())))
+        found["mirror"].append(share(float(mirrored[0][a:b].mean())))
+        if glide is not None and a < len(glide.costs):
+            found["glide"].append(share(float(glide.costs[a:b].mean())))
+        places = turning[2 * a : 2 * b - 1]
+        if np.isfinite(places).any():
+            best = int(np.argmin(places))
+            found["reverse"].append(share(float(places[best])))
+            centre = a + best // 2
+            found["turn"].append(_slowest(speed, centre) / max(float(speed[a + 1 : b].mean()), 1e-9))
+        places = mirrored_turning[2 * a : 2 * b - 1]
+        if np.isfinite(places).any():
+            found["both"].append(share(float(places.min())))
+    return {name: float(np.median(values)) if values else None for name, values in found.items()}
 
 
 def _unity(moments: Moments, start: int, path: lags.LagPath, moving: tuple[int, int], scale: float) -> float:
