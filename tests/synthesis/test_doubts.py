@@ -5,13 +5,14 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
+import numpy as np
 import pytest
 
 import kinesics as kx
 from kinesics.synthesis import checking
 from kinesics.synthesis.checking import Check, Slid
 from kinesics.synthesis.doubts import doubts
-from kinesics.synthesis.piece import Piece
+from kinesics.synthesis.piece import Piece, way_of
 from kinesics.synthesis.prospects import prospects
 from kinesics.synthesis.wish import Wish
 
@@ -121,3 +122,40 @@ def test_a_way_too_short_to_be_seen_is_told(walk: kx.Motion) -> None:
     (doubt,) = doubts(short, wish, prospects(piece.network), 10.0, None)
     assert "A to A* lasts 0.13 s" in doubt
     assert "--linger" in doubt
+
+
+def test_a_long_way_round_is_told(walk: kx.Motion) -> None:
+    """How long, how long straight on, and what shortens it; not a word of it where the way is short."""
+    piece = kx.performance(walk, target=(0.0, 4.0), seconds=40)
+    assert piece.attained
+    wish = Wish.of((0.0, 4.0), None, None, None, None, None)
+    motion, frames = piece.motion, piece.motion.frame_count
+    way = np.zeros((frames, 3))
+    way[:, 1] = motion.root_positions[:, 1]
+    for metres, said in ((4.5, 0), (14.0, 1)):
+        # straight on past the place and back to it, or to it at once
+        along = np.linspace(0.0, metres, frames)
+        way[:, 2] = np.where(along > 9.0, 18.0 - along, along) if said else along
+        way[:, 0] = np.where(along < 8.9, 0.6, 0.0) * said
+        there = dataclasses.replace(
+            piece,
+            check=SOUND,
+            performance=dataclasses.replace(piece.performance, motion=motion.replace(root_positions=way)),
+        )
+        told_ = [line for line in doubts(there, wish, prospects(piece.network), 40.0, 40.0) if "long way round" in line]
+        assert len(told_) == said
+        assert all("instead of 4.0 m straight on" in line and "--bend" in line for line in told_)
+
+
+def test_the_way_is_measured_without_the_sway() -> None:
+    """Straight on and round as long as it is, to and fro next to nothing; of one frame, none."""
+    times = np.linspace(0.0, 10.0, 301)
+    straight = np.stack([0.0 * times, 1.3 * times], axis=1)
+    assert way_of(straight, 30.0) == pytest.approx(13.0)
+    assert way_of(straight + 0.05 * np.stack([np.sin(2 * np.pi * times), 0.0 * times], axis=1), 30.0) == pytest.approx(
+        13.0, rel=0.01
+    )
+    circle = 2.0 * np.stack([np.sin(times), np.cos(times)], axis=1)
+    assert way_of(circle, 30.0) == pytest.approx(20.0, rel=0.05)
+    assert way_of(straight[:2], 30.0) == pytest.approx(1.3 / 30.0)
+    assert way_of(straight[:1], 30.0) == 0.0

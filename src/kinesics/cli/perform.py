@@ -342,6 +342,8 @@ def _summarize(piece: Piece) -> None:
             f"  target {_where(*target)}: came within {away:.2f} m; went {piece.length:.1f} m, {math.hypot(*target):.1f} m in a "
             "straight line"
         )
+    elif piece.stays is not None:
+        console.print(f"  stays in place, within {piece.stays:.2f} m of where it begins")
     else:
         console.print(f"  went {piece.length:.1f} m over the floor")
     # what was not attained is told among what is doubtful

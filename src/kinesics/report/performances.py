@@ -12,8 +12,6 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
-import numpy as np
-
 from kinesics import formats, plotting
 from kinesics.body.contacts import runs
 from kinesics.errors import FileError, InputError, MissingExtraError
@@ -26,8 +24,6 @@ if TYPE_CHECKING:
 
 FILMS: Final = (".mp4", ".webm")
 """Suffixes of films, which are not made yet."""
-IN_PLACE: Final = 1.0
-"""Metres: a movement that keeps within is shown as a contact sheet, not as a trail."""
 
 
 class Saved(NamedTuple):
@@ -209,14 +205,13 @@ def _unstopped(work: Callable[[], None]) -> None:
 def picture(piece: Piece) -> Figure:
     """The trail on the floor (Figure 82 of [Schultz2012]); a contact sheet where the body stays in place."""
     goal = piece.parameters
-    stays = bool(np.ptp(piece.trail, axis=0).max() < IN_PLACE) and not piece.places and goal["route"] is None
     played = sorted({span.source for span in piece.spans})
     whence = " and ".join(piece.sources[k].name for k in played) if len(played) <= 2 else f"{len(played)} recordings"
     lasts = piece.motion.duration
     title = f"{lasts:.1f} s from {whence}" if lasts >= 1.0 else f"{lasts:.2g} s from {whence}"
     if piece.outcome:
         title += f": {piece.outcome[0]}"
-    if stays:
+    if piece.in_place:
         ax = plotting.contact_sheet(
             piece.motion,
             transitions=piece.performance.cuts,

@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 
 from kinesics.errors import some_of
 from kinesics.synthesis import rounds
+from kinesics.synthesis.attempts import MOST_BEND
+from kinesics.synthesis.attempts import Shorter
 from kinesics.synthesis.checking import ROUNDING, SLIDE, SUNK, Slid
-from kinesics.synthesis.piece import Piece
+from kinesics.synthesis.piece import SWAY, Piece, way_of
 from kinesics.synthesis.prospects import Prospects
 from kinesics.synthesis.stage import FLESH
 from kinesics.synthesis.wish import HARDLY, MOST_SECONDS, SPARE, Wish
@@ -20,25 +22,33 @@ REPEATED: Final = 5.0
 """Times that every moment comes, from which it is said that there is little to choose from."""
 ROUND_AND_ROUND: Final = 2.0
 """Seconds in one loop of less than a second, from which it is told."""
+ROUNDABOUT: Final = 2.0
+"""Times the straight way to a target, from which it is said that the way is long, and what shortens it."""
+AT_LEAST: Final = 5.0
+"""Metres round, below which nothing is said of it: nobody turns on the spot."""
 SHORT: Final = 0.25
 """Seconds of a way from state to state, below which hardly anything of it is to be seen."""
 NEAR_CUT: Final = 0.3
 """Seconds from a contact to a transition, up to which that may have moved the foot."""
 
 
-def doubts(piece: Piece, wish: Wish, ahead: Prospects, most: float, seconds: float | None) -> tuple[str, ...]:
+def doubts(
+    piece: Piece, wish: Wish, ahead: Prospects, most: float, seconds: float | None, shorter: Shorter | None = None
+) -> tuple[str, ...]:
     """What did not go as wished, what does not stay where the recordings were, and what helps.
 
     Parameters
     ----------
     most : seconds that were allowed.
     seconds : those that were asked for, if any were.
+    shorter : how one would come to the place by a far shorter way, if that was found.
     """
     said = (
         _unused(piece),
         _repeated(piece, wish),
         _round_and_round(piece),
         _missed(piece, wish, ahead, most, seconds),
+        _roundabout(piece, wish, shorter),
         _short(piece, wish),
         *_slid(piece),
         _beyond(piece),
@@ -52,7 +62,7 @@ def _unused(piece: Piece) -> str:
         return ""
     return (
         f"nothing is performed of {some_of(none_of, 8)}: no transition leads there and back again; longer "
-        "recordings, or others nearer in pose, speed and footing, would join it"
+        "recordings, or others nearer in pose, speed and footing, would join it; or perform from it alone"
     )
 
 
@@ -132,6 +142,25 @@ def _hopeless(piece: Piece, wish: Wish, ahead: Prospects) -> bool:
     bend = math.radians(piece.parameters["bend_used"])
     tables = ahead.to_go(wish.radius - SPARE, bend)
     return tables.hopeless(int(piece.course.paths[0]), complex(z, x))
+
+
+def _roundabout(piece: Piece, wish: Wish, shorter: Shorter | None) -> str:
+    """A place that was come to by a long way round."""
+    if not piece.attained or not piece.places:
+        return ""
+    went = way_of(piece.trail[: piece.visits[-1] + 1], SWAY * piece.motion.fps)
+    if went < ROUNDABOUT * wish.metres or went - wish.metres < AT_LEAST:
+        return ""
+    bend = float(piece.parameters["bend_used"])
+    helps = "recordings that turn more may shorten it"
+    if shorter is not None:
+        helps = f"`bend` {shorter.bend:g} (--bend {shorter.bend:g}) leads there in about {shorter.metres:.1f} m"
+    elif bend < MOST_BEND:
+        helps = f"more `bend` (--bend {max(2.0 * bend, 10.0):g}) or {helps}"
+    return (
+        f"came there by a long way round, {went:.1f} m instead of {wish.metres:.1f} m straight on: these recordings hardly turn as "
+        f"they would have to; {helps}"
+    )
 
 
 def _short(piece: Piece, wish: Wish) -> str:

@@ -23,6 +23,11 @@ from kinesics.synthesis.rendering import Performance, Provenance
 ASIDE: Final = 1.0
 """Metres: who goes further than this from a route, in the median, did not follow it."""
 
+IN_PLACE: Final = 1.0
+"""Metres: a body that keeps within stays in place, however it sways there."""
+SWAY: Final = 1.0
+"""Seconds over which the way of the body is smoothed before its length is measured: a stride, about."""
+
 Array = NDArray[np.float64]
 
 SCHEMA_VERSION: Final = 1
@@ -153,10 +158,21 @@ class Piece:
         """Root on the floor: x, z in metres, shape (frames, 2)."""
         return self.motion.root_positions[:, [0, 2]]
 
-    @property
+    @cached_property
     def length(self) -> float:
-        """Metres that the root went over the floor."""
-        return float(np.hypot(*np.diff(self.trail, axis=0).T).sum())
+        """Metres that the body went over the floor, its swaying to and fro within a second (`SWAY`) left aside."""
+        return way_of(self.trail, SWAY * self.motion.fps)
+
+    @property
+    def stays(self) -> float | None:
+        """Metres from where it begins that the body keeps within, if it stays in place (`IN_PLACE`); None if it gets about."""
+        return float(np.hypot(*(self.trail - self.trail[0]).T).max()) if self.in_place else None
+
+    @property
+    def in_place(self) -> bool:
+        """Whether the body keeps within a square of `IN_PLACE`, and was not sent anywhere."""
+        sent = bool(self.places) or self.parameters["route"] is not None
+        return not sent and bool(np.ptp(self.trail, axis=0).max() < IN_PLACE)
 
     @property
     def mirrored_share(self) -> float:
@@ -299,6 +315,18 @@ def visits(trail: Array, places: Sequence[tuple[float, float]], radius: float) -
             break
         out.append(begun + int(near[0]))
     return out
+
+
+def way_of(trail: Array, frames: float) -> float:
+    """Metres of a trail of shape (frames, 2), smoothed by its mean over so many frames; a way straight on is as long as it is."""
+    half = min(int(frames / 2.0), len(trail) - 1)
+    if half < 1:
+        return float(np.hypot(*np.diff(trail, axis=0).T).sum())
+    # beyond its ends it goes on as it came
+    before, after = 2.0 * trail[0] - trail[half:0:-1], 2.0 * trail[-1] - trail[-2 : -half - 2 : -1]
+    total = np.cumsum(np.concatenate([np.zeros((1, 2)), before, trail, after]), axis=0)
+    smooth = (total[2 * half + 1 :] - total[: -2 * half - 1]) / (2 * half + 1)
+    return float(np.hypot(*np.diff(smooth, axis=0).T).sum())
 
 
 def aside_of(trail: Array, corners: Array) -> float:
