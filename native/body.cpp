@@ -1,4 +1,4 @@
-// Points that joints carry, and how deep capsules round bones are in each other. The NumPy twins are in kinesics/body/contacts.py
+// Points that joints carry, and how deep capsules round bones are in each other. The NumPy twins are in kinesics/body/feet.py
 // and kinesics/body/limits.py.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>

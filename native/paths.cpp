@@ -1,5 +1,5 @@
 // Paths by dynamic programming: along one lag, at right angles to the identity axis, and of a stretch looked up elsewhere.
-// The NumPy twins are in kinesics/grammar (lags.py, motifs.py, evidence.py, reading.py); ties go to the same side there and here.
+// The NumPy twins are in kinesics/grammar (lags.py, motifs/, evidence.py, reading/); ties go to the same side there and here.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/pair.h>
