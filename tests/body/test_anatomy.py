@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from kinesics import performer
 from kinesics.body import anatomy, conventions, mirroring, pose
 from kinesics.body.motion import Motion
 from kinesics.body.skeleton import EndSite, Skeleton
@@ -281,3 +282,28 @@ def test_up_is_told_by_head_over_feet(up: str, rng: np.random.Generator) -> None
         conventions.detect(motion.skeleton, positions, up="w")
     with pytest.raises(InputError, match="furlong"):
         conventions.detect(motion.skeleton, positions, unit="furlong")
+
+
+def test_a_foot_that_is_never_seen_flat_is_like_the_other(rng: np.random.Generator) -> None:
+    """Its rest pose, in which the toes hang down, does not tell: the toes are as far below the ankle as the other's."""
+    walk = performer.walk(seconds=8.0, fps=30.0, seed=2).motion
+    body = walk.skeleton
+    foot, toes, other, opposite = (
+        body.joint_index[name] for name in ("LeftFoot", "LeftToeBase", "RightFoot", "RightToeBase")
+    )
+    hangs = quaternion.from_rotvec([np.deg2rad(35.0), 0.0, 0.0])
+    offsets, rotations = body.offsets.copy(), walk.rotations.copy()
+    offsets[toes] = quaternion.rotate(hangs, offsets[toes])
+    rolls = quaternion.from_rotvec(rng.uniform(-1.0, 1.0, (walk.frame_count, 3)) * [0.6, 0.0, 0.6])
+    rotations[:, foot] = quaternion.multiply(
+        quaternion.multiply(rotations[:, foot], rolls), quaternion.conjugate(hangs)
+    )
+    rolling = Motion(body.replace(offsets=offsets), rotations, walk.root_positions, walk.fps)
+    frames = anatomy.resolve(rolling).frames
+
+    def slope(joint: int, end: int) -> float:
+        x, y, z = quaternion.rotate(quaternion.conjugate(frames[joint]), rolling.skeleton.offsets[end])
+        return float(np.arctan2(y, np.hypot(x, z)))
+
+    assert slope(foot, toes) == pytest.approx(slope(other, opposite), abs=1e-9)
+    assert slope(other, opposite) > np.deg2rad(-60.0)

@@ -387,3 +387,19 @@ def test_bandai_namco_on_cmu_stands_on_flat_feet(shared_data: Path, tmp_path: Pa
             world = quaternion.multiply(out.global_rotations()[:, foot], usual.frames[foot])
             up = quaternion.rotate(world, np.array([0.0, 1.0, 0.0]))[flat[:, k], 1]
             assert np.degrees(np.arccos(np.clip(np.median(up), -1, 1))) < 10.0
+
+
+@pytest.mark.parametrize("clip", ["09/09_06", "16/16_35", "135/135_02"])
+def test_feet_that_roll_are_flat_while_they_stand(shared_data: Path, clip: str) -> None:
+    """Of runners and of a kata, too: where a foot is stillest on the ground its frame is upright, within 5°."""
+    motion = anatomy.understood(kx.read(shared_data / f"cmu/{clip}.amc"))
+    body = motion.skeleton.anatomy
+    assert body is not None
+    standing = contacts.contacts(motion).feet
+    positions, world = motion.positions(), motion.global_rotations()
+    for k, side in enumerate(("left", "right")):
+        foot, toes = getattr(body.roles, f"{side}_foot"), getattr(body.roles, f"{side}_toes")
+        speed = sum(np.linalg.norm(np.gradient(positions[:, j], axis=0), axis=1) for j in (foot, toes))
+        still = standing[:, k] & (speed <= np.quantile(speed[standing[:, k]], 0.1))
+        ahead = quaternion.rotate(quaternion.multiply(world[still, foot], body.frames[foot]), [0.0, 0.0, 1.0])
+        assert abs(np.rad2deg(np.median(np.arcsin(ahead[:, 1])))) < 5.0

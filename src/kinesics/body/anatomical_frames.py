@@ -39,6 +39,8 @@ _ALONG: Final = np.deg2rad(15.0)
 """A trunk this near to its rig's axes was built along them: hips and shoulders of real bodies lean by a few degrees."""
 
 
+_STILLEST: Final = (0.3, 0.1)
+"""Share of the time standing in which a foot is taken to stand still: who runs has it on the ground for a third of the time."""
 _ASIDE: Final = np.deg2rad(60.0)
 """A head may look aside, and fingers be bent, for a whole clip: the axes of their rig are the nearest ones however far they are
 turned."""
@@ -264,8 +266,9 @@ def beyond_links(
     """K of the joints that carry no link.
 
     A foot's frame is the world's while it stands flat, turned to where the toes point; where the clip does not show it
-    standing, that of the rest pose. Every other joint goes on from its parent as at rest or, where the rest is no human pose,
-    along the axes that are nearest to the average of the clip.
+    standing, that of the rest pose, with the toes as far below the ankle as those of the other foot if that is seen. Every other
+    joint goes on from its parent as at rest or, where the rest is no human pose, along the axes that are nearest to the average of
+    the clip.
 
     Parameters
     ----------
@@ -284,6 +287,7 @@ def beyond_links(
         *(getattr(roles, f"{side}_{part}") for side in _SIDES for part in ("femur", "tibia", "humerus", "radius")),
     }
     feet = {j: side for side in _SIDES if (j := getattr(roles, f"{side}_foot")) is not None}
+    seen: set[int] = set()
     above = set(ancestors(skeleton, roles.pelvis))
     for j, parent in enumerate(skeleton.parents):
         if j in carriers:
@@ -302,8 +306,24 @@ def beyond_links(
             flat = _flat_foot(skeleton, roles, feet[j], positions, world)
             if flat is not None and (not rests or quaternion.angle(flat, onward) < np.deg2rad(40.0)):
                 onward = flat
+                seen.add(j)
         frames[j] = onward
+    if len(feet) == 2 and len(seen) == 1:
+        (other,) = seen
+        (foot,) = feet.keys() - seen
+        bones = [_bone(skeleton, j, getattr(roles, f"{feet[j]}_toes")) for j in (foot, other)]
+        if bones[0] is not None and bones[1] is not None:
+            frames[foot] = _declined(frames[foot], bones[0], frames[other], bones[1])
     return frames
+
+
+def _declined(frame: Array, bone: Array, like: Array, other: Array) -> Array:
+    """K of a foot, turned about its own x so that its bone lies as steeply as that of the other."""
+    slopes = []
+    for k, ahead in ((frame, bone), (like, other)):
+        x, y, z = quaternion.rotate(quaternion.conjugate(k), ahead)
+        slopes.append(np.arctan2(y, np.hypot(x, z)))
+    return np.asarray(quaternion.multiply(frame, quaternion.from_rotvec([slopes[1] - slopes[0], 0.0, 0.0])))
 
 
 def _flat_foot(skeleton: Skeleton, roles: Roles, side: str, positions: Array, world: Array) -> Array | None:
@@ -318,12 +338,16 @@ def _flat_foot(skeleton: Skeleton, roles: Roles, side: str, positions: Array, wo
     standing = over > 0.5 * over.max()
     if over.max() <= 0.0 or standing.sum() < 3:
         return None
-    standing &= (speed <= np.quantile(speed[standing], 0.3)) & (ball[:, 1] <= np.median(ball[standing, 1]))
-    if not standing.any():
-        return None
-    ups = quaternion.rotate(quaternion.conjugate(world[standing, foot]), np.array([0.0, 1.0, 0.0]))
-    up = np.median(ups, axis=0)
-    if np.linalg.norm(up) < 0.5 or np.median(ups @ _unit(up)) < np.cos(np.deg2rad(10.0)):
+    low = standing & (ball[:, 1] <= np.median(ball[standing, 1]))
+    for share in _STILLEST:
+        still = low & (speed <= np.quantile(speed[standing], share))
+        if not still.any():
+            return None
+        ups = quaternion.rotate(quaternion.conjugate(world[still, foot]), np.array([0.0, 1.0, 0.0]))
+        up = np.median(ups, axis=0)
+        if np.linalg.norm(up) >= 0.5 and np.median(ups @ _unit(up)) >= np.cos(np.deg2rad(10.0)):
+            break
+    else:
         return None  # it rolls all the time
     y = _unit(up)
     z = ahead - (ahead @ y) * y
