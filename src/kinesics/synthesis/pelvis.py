@@ -8,7 +8,7 @@ of Saunders, Inman & Eberhart 1953, *J Bone Joint Surg Am* 35:543).
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,21 +38,35 @@ _PROJECTIONS: Final = 15
 """Most times that, at one moment, the joint that is beyond its range by most is put right by the least turn."""
 
 
-def turned_for_the_hips(stage: Stage, rotations: Array, roots: Array) -> Array:
-    """Turn the pelvis, feet left where they are, by what brings hips and knees back into their range: as `rotations`.
+class Turned(NamedTuple):
+    """What `turned_for_the_hips` gives."""
+
+    rotations: Array
+    """Shape (frames, joints, 4)."""
+    wanted: Array
+    """Rotation vectors of the pelvis, as its hips ask for at each moment, shape (frames, 3)."""
+
+
+def turned_for_the_hips(
+    stage: Stage, rotations: Array, roots: Array, before: Turned | None = None, rounds: int = ROUNDS
+) -> Turned:
+    """Turn the pelvis, feet left where they are, by what brings hips and knees back into their range.
 
     The trunk stays as it is, as far as its range lets it; legs reach by inverse kinematics.
 
     Parameters
     ----------
     rotations, roots : shapes (frames, joints, 4) and (frames, 3).
+    before : what came of much the same movement, where that is known, to begin with.
+    rounds : of looking where the hips are and turning, at most.
     """
     legs, frames = stage.legs, len(rotations)
     joints = np.array([*legs.femurs, *legs.tibias])
     middle, low, high = stage.middle[joints], stage.low[joints], stage.high[joints]
     at = blending.rotation_offset(middle, rotations[:, joints])
+    wanted = np.zeros((frames, 3)) if before is None else before.wanted.copy()
     if np.maximum(at - high, low - at).max() <= _OVER:
-        return rotations
+        return Turned(rotations, np.zeros((frames, 3)))
     feet = kinematics.forward(stage.repertoire.skeleton, rotations, roots, joints=stage.lower).positions[
         :, list(legs.feet)
     ]
@@ -61,12 +75,18 @@ def turned_for_the_hips(stage: Stage, rotations: Array, roots: Array) -> Array:
     def performed(some: Indices, turn: Array) -> Array:
         return _turned(stage, rotations[some], roots[some], feet[some], turn)
 
-    wanted, turn = np.zeros((frames, 3)), np.zeros((frames, 3))
+    turn = np.zeros((frames, 3))
     out = rotations
-    for _ in range(ROUNDS):
+    for attempt in range(rounds):
+        if attempt or wanted.any():
+            turn = both_ways(wanted, reach)
+            goes = np.flatnonzero(turn.any(axis=1))
+            out = rotations.copy()
+            out[goes] = performed(goes, turn[goes])
+            at = blending.rotation_offset(middle, out[:, joints])
         over = np.maximum(at - high, low - at).reshape(frames, -1)
         some = np.flatnonzero(over.max(axis=1) > _OVER)
-        if not len(some):
+        if not len(some) or attempt == rounds - 1:
             break
         change = np.empty((len(some), len(joints), 3, 3))
         for axis in range(3):
@@ -76,13 +96,8 @@ def turned_for_the_hips(stage: Stage, rotations: Array, roots: Array) -> Array:
         wanted[some] += _least_turns(change.reshape(len(some), -1, 3), over[some])
         size = np.linalg.norm(wanted, axis=-1, keepdims=True)
         wanted *= np.minimum(1.0, FARTHEST / np.maximum(size, 1e-9))
-        turn = both_ways(wanted, reach)
-        goes = np.flatnonzero(turn.any(axis=1))
-        out = rotations.copy()
-        out[goes] = performed(goes, turn[goes])
-        at = blending.rotation_offset(middle, out[:, joints])
     put_within_range(stage, out, np.array(stage.trunk, dtype=np.intp), np.asarray(turn.any(axis=1)))
-    return out
+    return Turned(out, wanted)
 
 
 def _turned(stage: Stage, rotations: Array, roots: Array, feet: Array, turn: Array) -> Array:

@@ -71,6 +71,16 @@ _DAMPED: Final = 0.05
 """(rad/m)²: added to the squares of how joints turn, for ways along which none does."""
 _FARTHEST: Final = 0.03
 """Metres that a foot is moved beneath the body in one round to bring a joint back: farther, joints do not turn in proportion."""
+LONG: Final = 2.0
+"""Seconds of a contact from which on a foot is held the more firmly the longer it lasts."""
+_CLOSE: Final = 0.001
+"""Metres beyond `LET_PASS` for which no other round is gone."""
+_PATIENCE: Final = 2
+"""Rounds that may pass without anything getting better."""
+_TURNS: Final = (6, 3)
+"""Most times that the pelvis is turned in the first round, and in each after that, which begins as the one before ended."""
+_NEAR: Final = 0.2
+"""Seconds around a contact that slides in which the body is to go along."""
 _NOTHING: Final = np.deg2rad(0.2)
 
 
@@ -124,31 +134,39 @@ def pin(
     bounds = way, least = Bounds.none(len(rotations))
     more = np.zeros_like(least)
     gripped = standing
+    turned = None
+    best, least_slid, found_in = None, np.inf, 0
     for attempt in range(rounds):
         done = _planted(stage, given, roots, standing, gripped, held, stiff, bounds, adrift)
+        turned = turned_for_the_hips(stage, done.rotations, done.roots, turned, _TURNS[min(attempt, 1)])
+        done = done._replace(rotations=turned.rotations)
         within = done.rotations.copy()
         put_within_range(stage, within, joints)
         put_back = _lower(stage, within, done.roots)
-        if attempt == rounds - 1:
+        push = _apart(stage, put_back)
+        slides = _sliding(stage, put_back)
+        slid = sum(slide.more for slide in slides) + float(np.linalg.norm(push, axis=-1).max())
+        if slid < least_slid:
+            best, least_slid, found_in = (done._replace(rotations=within), put_back), slid, attempt
+        good = not push.any() and all(slide.more <= _CLOSE for slide in slides)
+        if good or attempt == rounds - 1 or attempt - found_in == _PATIENCE:
             break
         planted = _lower(stage, done.rotations, done.roots)
-        push = _apart(stage, put_back)
-        slipping = _slipping(stage, planted, gripped)
-        settled = quaternion.angle(done.rotations[:, joints], within[:, joints]).max() < _NOTHING
-        if settled and not push.any() and not slipping.any():
-            break
-        gripped = gripped | slipping
+        gripped = gripped | _frames_of(_sliding(stage, planted), len(roots), 0)
         # an ankle that would be bent too far turns its foot, by no more than this leg asks for; it is then planted as it is turned
         above = planted.rotations[:, parents]
-        turned = done.rotations.copy()
-        turned[:, feet] = level = quaternion.multiply(quaternion.conjugate(above), soles)
-        put_within_range(stage, turned, np.array(feet))
-        goes = quaternion.angle(level, turned[:, feet]) > _NOTHING
-        as_given = quaternion.multiply(quaternion.conjugate(shins), quaternion.multiply(above, turned[:, feet]))
+        bent = done.rotations.copy()
+        bent[:, feet] = level = quaternion.multiply(quaternion.conjugate(above), soles)
+        put_within_range(stage, bent, np.array(feet))
+        goes = quaternion.angle(level, bent[:, feet]) > _NOTHING
+        as_given = quaternion.multiply(quaternion.conjugate(shins), quaternion.multiply(above, bent[:, feet]))
         given = rotations.copy()
         given[:, feet] = np.where(goes[..., None], as_given, given[:, feet])
-        # where hip or knee would go too far the body goes along instead; what it fell short by adds up from round to round
-        back = _inward(stage, done) + push
+        # where that and the pelvis do not mend it the body goes along; what it fell short by adds up from round to round
+        if attempt == 0:
+            continue
+        near = _frames_of(slides, len(roots), max(1, round(_NEAR * stage.repertoire.fps)))
+        back = np.where(near[..., None], _inward(stage, done), 0.0) + push
         far = np.linalg.norm(back, axis=-1)
         bound = far > _SHORT
         towards = back / np.maximum(far, 1e-9)[..., None]
@@ -157,14 +175,11 @@ def pin(
         way[bound] = towards[bound]
         limit = planted.positions[:, feet] - done.roots[:, None] - recorded + back
         least[bound] = np.einsum("ni,ni->n", way[bound], limit[bound]) + more[bound]
-    turned = turned_for_the_hips(stage, done.rotations, done.roots)
-    if turned is not done.rotations:
-        within = turned
-        put_within_range(stage, within, joints)
-        put_back = _lower(stage, within, done.roots)
     # whoever goes not quite as the recordings do yet begins where it was told to
+    assert best is not None
+    done, put_back = best
     beside = (done.roots[0] - roots[0]) * [1.0, 0.0, 1.0]
-    done = done._replace(rotations=within, roots=done.roots - beside, corrected=done.corrected - beside)
+    done = done._replace(roots=done.roots - beside, corrected=done.corrected - beside)
     return _above_the_floor(stage, done, put_back)
 
 
@@ -211,19 +226,34 @@ def _lowest(soles: Array) -> Array:
     return functools.reduce(np.minimum, np.moveaxis(soles[..., 1], -1, 0))
 
 
-def _slipping(stage: Stage, known: Kinematics, gripped: Mask) -> Mask:
-    """Frames of contacts, as anyone would find them in what was planted, in which a foot slides and is not held: (frames, 2)."""
+class _Slide(NamedTuple):
+    """A contact in which a foot slides by more than is let pass."""
+
+    foot: int
+    start: int
+    stop: int
+    more: float
+    """Metres."""
+
+
+def _sliding(stage: Stage, known: Kinematics) -> list[_Slide]:
+    """Contacts, as anyone would find them, in which a foot slides."""
     places = stage.soles.place(known.positions, known.rotations)
     found = contacts.touching(places, places[..., 1], stage.repertoire.fps, stage.stature, stage.slow)
     height = places[..., 1] - stage.levels
     share = bearing(0.5 * (height[1:] + height[:-1]))
     way = np.zeros((len(places), 2, 2))
     np.cumsum(np.einsum("fkp,fkpi->fki", share, np.diff(places[..., [0, 2]], axis=0)), axis=0, out=way[1:])
-    out = np.zeros_like(gripped)
-    for k in (0, 1):
-        for a, b in contacts.runs(found.feet[:, k]):
-            if _spread(way[a:b, k]) > LET_PASS:
-                out[a:b, k] = ~gripped[a:b, k]
+    spans = [(k, a, b) for k in (0, 1) for a, b in contacts.runs(found.feet[:, k])]
+    all_of_them = (_Slide(k, a, b, _spread(way[a:b, k]) - LET_PASS) for k, a, b in spans)
+    return [slide for slide in all_of_them if slide.more > 0.0]
+
+
+def _frames_of(slides: list[_Slide], frames: int, around: int) -> Mask:
+    """Frames of these and around them, shape (frames, 2)."""
+    out = np.zeros((frames, 2), dtype=np.bool_)
+    for slide in slides:
+        out[max(0, slide.start - around) : slide.stop + around, slide.foot] = True
     return out
 
 
@@ -351,7 +381,7 @@ def _planted(
     height = soles[..., 1] - stage.levels
     share = bearing(0.5 * (height[1:] + height[:-1]))
     slid = np.einsum("fkp,fkpi->fki", share, np.diff(soles[..., [0, 2]], axis=0))
-    grip = np.stack([_grip(gripped[:, k], fps) for k in (0, 1)], axis=-1)
+    grip = np.stack([_grip(gripped[:, k], fps) * _firmly(gripped[:, k], fps) for k in (0, 1)], axis=-1)
     press = np.stack([held_around(standing[:, k], LIFT * fps) for k in (0, 1)], axis=-1)
     found = footing.footing(
         slid,
@@ -417,6 +447,14 @@ def _grip(standing: Mask, fps: float) -> Array:
         return standing.astype(np.float64)
     inside = np.asarray(distance_transform_edt(standing)) - np.asarray(distance_transform_edt(~standing))
     return np.asarray(blending.ease(inside / fps / GRIP))
+
+
+def _firmly(standing: Mask, fps: float) -> Array:
+    """By how much more a foot is held in long contacts, over which the little that it gives way each moment adds up: (frames,)."""
+    out = np.ones(len(standing))
+    for a, b in contacts.runs(standing):
+        out[a:b] = np.sqrt(max(1.0, (b - a) / fps / LONG))
+    return out
 
 
 def _lowering(stage: Stage, positions: Array, targets: Array, held: Array, fps: float) -> Array:

@@ -1,0 +1,64 @@
+"""Feet that bear stay where they are, without making worse what was good."""
+
+from __future__ import annotations
+
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kinesics as kx
+from kinesics.body import kinematics
+from kinesics.synthesis import planting
+from kinesics.synthesis.checking import check, slide
+from kinesics.synthesis.network import network
+from kinesics.synthesis.rehearsal import played
+from kinesics.synthesis.rendering import render
+from kinesics.synthesis.repertoire import repertoire
+from kinesics.synthesis.stage import Stage
+
+
+def standing(shared: Path, folder: Path, name: str) -> kx.Motion:
+    """A recording in which both feet bear all the time."""
+    with zipfile.ZipFile(shared / "bandai-namco" / "clips.zip") as archive:
+        inside = next(n for n in archive.namelist() if Path(n).name == f"{name}.bvh")
+        path = folder / f"{name}.bvh"
+        path.write_bytes(archive.read(inside))
+    return kx.read(path)
+
+
+@pytest.mark.parametrize("name", ["dataset-1_bye_normal_001", "dataset-1_bow_active_001"])
+def test_who_stands_goes_on_standing(name: str, shared_data: Path, tmp_path: Path) -> None:
+    """Hips and knees that hardly move in a recording have hardly any range; feet that stand in it stand when it is planted."""
+    own = repertoire(standing(shared_data, tmp_path, name))
+    stage = Stage.of(own)
+    planted = played(stage)
+    known = kinematics.forward(own.skeleton, planted.rotations[0], planted.root_positions[0])
+    soles = stage.soles.place(known.positions, known.rotations)
+    for foot in (0, 1):
+        assert slide(soles[2:, foot], soles[2:, foot, :, 1] - stage.levels[foot]) < 0.01
+
+
+def test_loops_of_who_stands_stay_on_the_spot(shared_data: Path, tmp_path: Path) -> None:
+    """A third of a second of a bow, over and over, its feet where they are."""
+    made = network(repertoire(standing(shared_data, tmp_path, "dataset-1_bow_active_001")))
+    rng = np.random.default_rng(2)
+    paths = [int(rng.integers(len(made)))]
+    while len(paths) < 60:
+        nexts = made.successors(paths[-1])
+        jumps = nexts[made.first[nexts] != made.onward[paths[-1]]]
+        paths.append(int(rng.choice(jumps if len(jumps) else nexts)))
+    found = check(render(made, paths), made)
+    assert found.slides == 0
+    assert found.below_floor < 0.01
+
+
+def test_long_contacts_are_held_more_firmly() -> None:
+    """As their length, from some seconds on: what a foot gives way in all does not grow."""
+    bears = np.zeros(1000, dtype=np.bool_)
+    bears[10:60] = True
+    bears[100:900] = True
+    firm = planting._firmly(bears, 50.0)
+    assert (firm[:100] == 1.0).all()
+    assert np.allclose(firm[100:900] ** 2, 800 / 50.0 / planting.LONG)
