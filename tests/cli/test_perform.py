@@ -123,6 +123,22 @@ def test_of_several_outputs_none_is_left_where_one_cannot_be(
         assert files(tmp_path) == {"there.npz", "walk.bvh"}
 
 
+def test_a_folder_that_cannot_be_written_to_is_told_before_any_work(
+    kinesics: Kinesics, walk: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Which file, why, and no recording is read first."""
+    import tempfile
+
+    def refused(*_: object, **__: object) -> str:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(tempfile, "mkdtemp", refused)
+    got = kinesics("perform", "none.bvh", "--out", "new.bvh")
+    assert got.code == 2
+    assert "new.bvh: The file cannot be written: Permission denied. Give another folder." in " ".join(got.err.split())
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_format_that_fails_leaves_nothing_of_the_others(
     kinesics: Kinesics, walk: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

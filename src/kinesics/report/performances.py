@@ -63,9 +63,11 @@ def check_output(paths: Paths, *, overwrite: bool = False) -> None:
     for target in targets:
         if not target.parent.is_dir():
             raise FileError(target, "The folder to write to does not exist.", hint="Make it first.")
-        if not os.access(target.parent, os.W_OK | os.X_OK):
-            raise FileError(target, "Nothing may be written to this folder.", hint="Give another.")
         _check_free(target, targets, overwrite)
+    for target in targets:
+        # only trying tells whether a folder can be written to
+        with _room_beside(target):
+            pass
 
 
 def _targets(paths: Paths) -> list[Path]:
@@ -177,7 +179,9 @@ def _room_beside(target: Path) -> Iterator[Path]:
     try:
         room = Path(tempfile.mkdtemp(prefix=f".{target.stem[:40]}.", suffix=".part", dir=target.parent))
     except OSError as error:
-        raise FileError(target, f"The file cannot be written: {error.strerror or error}.") from None
+        raise FileError(
+            target, f"The file cannot be written: {error.strerror or error}.", hint="Give another folder."
+        ) from None
     try:
         yield room
     finally:
