@@ -6,6 +6,7 @@ import itertools
 import re
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import jsonschema
@@ -527,13 +528,49 @@ def test_an_unknown_state_is_answered_with_those_there_are(walks: list[kx.Motion
 
 
 def test_a_target_that_was_not_reached_is_told_with_advice(walks: list[kx.Motion]) -> None:
-    """Too far for the time; and behind somebody who only ever went straight on."""
-    far = kx.perform(walks, target=(0, 40), seconds=5)
+    """Too far for the time, if one is to go on all the same; and behind somebody who only ever went straight on."""
+    far = kx.perform(walks, target=(0, 40), seconds=5, linger=True)
     assert "came within" in far.warnings[0]
     assert "give more seconds" in far.warnings[0]
     behind = kx.performance(walks[0], target=(0, -4), seconds=10, bend=0)
     assert not behind.attained
     assert "turn more" in behind.motion.warnings[0]
+
+
+def test_what_cannot_be_come_to_in_time_is_refused_at_once(walks: list[kx.Motion]) -> None:
+    """With the seconds that it takes at least: as many are not refused, nor a little fewer than the network's pace asks for."""
+    with pytest.raises(
+        kx.InputError, match=r"cannot reach the target 40\.0 m off in 5 s.*takes (\d+) s at least"
+    ) as refused:
+        kx.perform(walks, target=(0, 40), seconds=5)
+    least = re.search(r"takes (\d+) s at least", str(refused.value))
+    assert least is not None
+    made = kx.performance(walks, target=(0, 40), seconds=float(least[1]) + 1.0)
+    assert made.trail[-1, 1] > 25.0
+    with pytest.raises(kx.InputError, match=r"come to the end of a route of 900\.0 m in 9 s"):
+        kx.perform(walks, route=[(0, 0), (0, 900)], seconds=9)
+
+
+def test_who_hardly_gets_about_is_not_sent_far_unasked() -> None:
+    """Told beforehand, with a place that is near enough; whoever says how long is let try."""
+    exercises: Any = SimpleNamespace(pace=0.1, fastest=0.5)
+    far, near = (Wish.of((0.0, z), None, None, None, None, None) for z in (5.0, 1.5))
+    with pytest.raises(kx.InputError, match=r"hardly get about .0\.10 metres.* nearer target, of 2\.0 m at most"):
+        far.most_seconds(exercises, None)
+    assert far.most_seconds(exercises, 90.0) == 90.0
+    assert near.most_seconds(exercises, None) > 20.0
+
+
+def test_a_far_shorter_way_by_more_bend_is_named(walks: list[kx.Motion]) -> None:
+    """Tried before it is named: with that bend it is about as long as said."""
+    round_ = kx.performance(walks[0], target=(5, -2), bend=3, seconds=90)
+    (doubt,) = (line for line in round_.motion.warnings if "long way round" in line)
+    said = re.search(r"--bend (\d+)\) leads there in about (\d+\.\d) m", doubt)
+    assert said is not None
+    bent = kx.performance(walks[0], target=(5, -2), bend=float(said[1]), seconds=90)
+    assert bent.attained
+    assert bent.length == pytest.approx(float(said[2]), abs=1.5)
+    assert 1.3 * bent.length < round_.length
 
 
 def test_on_and_on_it_passes_seldom_and_repeats_little(shared_data: Path) -> None:

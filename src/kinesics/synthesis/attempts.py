@@ -35,8 +35,22 @@ AIMS: Final = 3
 PATIENT: Final = 4
 """Ways drawn before others may take longer, where no time was asked for."""
 MORE_TIME: Final = 2.0
+ROUNDABOUT: Final = 2.0
+"""Times the straight way that the way is long, from which it is tried whether bending it more would make it far shorter."""
+FAR_SHORTER: Final = 1.5
+"""Times shorter that it then is."""
+LEAST_BEND: Final = 5.0
+"""Degrees a metre: no smaller multiples of less are tried."""
 MOST_BEND: Final = 20.0
 """Degrees a metre, to which the way may be bent on further attempts."""
+
+
+class Shorter(NamedTuple):
+    """A far shorter way."""
+
+    bend: float
+    """Degrees a metre by which it might be bent."""
+    metres: float
 
 
 class Attempt(NamedTuple):
@@ -51,6 +65,8 @@ class Attempt(NamedTuple):
     """What is performed of it, where the way decided for leads there."""
     miss: tuple[float, float]
     """See `Wish.miss`."""
+    shorter: Shorter | None = None
+    """How one would come there by a far shorter way."""
 
 
 def best_attempt(
@@ -125,7 +141,35 @@ def best_attempt(
         if not any(best.miss):
             break
     assert best is not None
-    return best
+    return best._replace(
+        shorter=_far_shorter(net, wish, best, seconds, seed, finish, beta, start, ahead) if again else None
+    )
+
+
+def _far_shorter(
+    net: Network,
+    wish: Wish,
+    best: Attempt,
+    seconds: float,
+    seed: int,
+    finish: bool,
+    beta: float,
+    start: int | None,
+    ahead: Prospects,
+) -> Shorter | None:
+    """The shortest of the ways that a long way round becomes if it may be bent more, if it is far shorter; tried, not rendered."""
+    if not (finish and wish.places and best.course.attained and best.course.length > ROUNDABOUT * wish.metres):
+        return None
+    found: list[Shorter] = []
+    for bend in sorted({min(sharper * max(best.bend, LEAST_BEND), MOST_BEND) for sharper in SHARPER}):
+        if bend <= best.bend:
+            continue
+        course = perform_paths(
+            net, wish.goals(most=seconds), seconds, seed, finish=True, beta=beta, bend=bend, start=start, prepared=ahead
+        )
+        if course.attained and FAR_SHORTER * course.length <= best.course.length:
+            found.append(Shorter(bend, course.length))
+    return min(found, key=lambda way: way.metres, default=None)
 
 
 def _until_there(done: Performance, wish: Wish) -> Performance:

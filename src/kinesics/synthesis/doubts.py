@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from kinesics.errors import some_of
 from kinesics.synthesis import rounds
-from kinesics.synthesis.attempts import MOST_BEND
+from kinesics.synthesis.attempts import MOST_BEND, Shorter
 from kinesics.synthesis.checking import ROUNDING, SLIDE, SUNK, Slid
 from kinesics.synthesis.piece import SWAY, Piece, way_of
 from kinesics.synthesis.prospects import Prospects
@@ -31,20 +31,23 @@ NEAR_CUT: Final = 0.3
 """Seconds from a contact to a transition, up to which that may have moved the foot."""
 
 
-def doubts(piece: Piece, wish: Wish, ahead: Prospects, most: float, seconds: float | None) -> tuple[str, ...]:
+def doubts(
+    piece: Piece, wish: Wish, ahead: Prospects, most: float, seconds: float | None, shorter: Shorter | None = None
+) -> tuple[str, ...]:
     """What did not go as wished, what does not stay where the recordings were, and what helps.
 
     Parameters
     ----------
     most : seconds that were allowed.
     seconds : those that were asked for, if any were.
+    shorter : how one would come to the place by a far shorter way, if that was found.
     """
     said = (
         _unused(piece),
         _repeated(piece, wish),
         _round_and_round(piece),
         _missed(piece, wish, ahead, most, seconds),
-        _roundabout(piece, wish),
+        _roundabout(piece, wish, shorter),
         _short(piece, wish),
         *_slid(piece),
         _beyond(piece),
@@ -140,7 +143,7 @@ def _hopeless(piece: Piece, wish: Wish, ahead: Prospects) -> bool:
     return tables.hopeless(int(piece.course.paths[0]), complex(z, x))
 
 
-def _roundabout(piece: Piece, wish: Wish) -> str:
+def _roundabout(piece: Piece, wish: Wish, shorter: Shorter | None) -> str:
     """A place that was come to by a long way round."""
     if not piece.attained or not piece.places:
         return ""
@@ -149,7 +152,9 @@ def _roundabout(piece: Piece, wish: Wish) -> str:
         return ""
     bend = float(piece.parameters["bend_used"])
     helps = "recordings that turn more may shorten it"
-    if bend < MOST_BEND:
+    if shorter is not None:
+        helps = f"`bend` {shorter.bend:g} (--bend {shorter.bend:g}) leads there in about {shorter.metres:.1f} m"
+    elif bend < MOST_BEND:
         helps = f"more `bend` (--bend {max(2.0 * bend, 10.0):g}) or {helps}"
     return (
         f"came there by a long way round, {went:.1f} m instead of {wish.metres:.1f} m straight on: these recordings hardly turn as "

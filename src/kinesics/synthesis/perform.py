@@ -185,7 +185,7 @@ def performance(
     start = _start(net, wish, seed)
     progress(0.6, "looking ahead")
     ahead = prospects(net)
-    most = wish.most_seconds(ahead, seconds)
+    most = wish.most_seconds(ahead, seconds, bool(linger))
     best = best_attempt(
         net,
         wish,
@@ -236,7 +236,7 @@ def performance(
         wish.places,
         wish.radius or goals.RADIUS,
     )
-    told = left_out + stock.warnings + doubts(piece, wish, ahead, most, seconds)
+    told = left_out + stock.warnings + doubts(piece, wish, ahead, most, seconds, best.shorter)
     progress(1.0, "performed")
     return dataclasses.replace(piece, performance=dataclasses.replace(done, motion=motion.replace(warnings=told)))
 

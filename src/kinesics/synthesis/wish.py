@@ -42,6 +42,8 @@ SETTLING: Final = 10.0
 """Seconds allowed besides, to turn round and to come to a stand."""
 STAYING: Final = 0.05
 """Metres a second: recordings that never get about faster stay in place."""
+SURELY: Final = 1.1
+"""Times the fastest pace that was found: who would have to be faster than that is not sent out."""
 HARDLY: Final = 0.25
 """Metres a second, below which a way is found by chance."""
 SPARE: Final = 0.12
@@ -188,13 +190,18 @@ class Wish:
         nearer = goals.RADIUS if self.route is not None else self.radius * (2 * len(self.places) - 1)
         return max(0.0, self.metres - nearer)
 
-    def most_seconds(self, ahead: Prospects, seconds: float | None) -> float:
+    def most_seconds(self, ahead: Prospects, seconds: float | None, linger: bool = False) -> float:
         """How long may be performed: ``seconds``, or what the goal may take.
+
+        Parameters
+        ----------
+        linger : whether all of ``seconds`` is performed in any case, so that one may go towards what is too far.
 
         Raises
         ------
         InputError
-            If there is somewhere to go, and the recordings stay in place.
+            If there is somewhere to go, and the recordings stay in place, or it cannot be come to in that time, or not within
+            `MOST_SECONDS`, or they hardly get about and no time was asked for.
         """
         away = self.metres - self.radius
         if away > 0.0 and ahead.pace < STAYING:
@@ -203,11 +210,31 @@ class Wish:
                 f"{'target' if self.places else 'route'} can be reached with them. Give recordings that go about, "
                 "or perform without a place to go to."
             )
-        if seconds is not None:
-            return float(seconds)
         if away <= 0.0:
-            return MOST_SECONDS if self.to_state is not None else SECONDS
-        return min(MOST_SECONDS, max(SECONDS, SETTLING + DETOUR * self.metres / ahead.pace))
+            return float(seconds) if seconds is not None else MOST_SECONDS if self.to_state is not None else SECONDS
+        usual = SETTLING + self.metres / ahead.pace
+        most = min(MOST_SECONDS, max(SECONDS, SETTLING + DETOUR * self.metres / ahead.pace))
+        given = most if seconds is None else float(seconds)
+        reach = (
+            f"reach the target {self.metres:.1f} m off"
+            if self.places
+            else f"come to the end of a route of {self.metres:.1f} m"
+        )
+        nearer = f"{'a nearer target' if self.places else 'a shorter route'}"
+        least = self.least_metres / (SURELY * ahead.fastest)
+        if given < least and not linger:
+            raise InputError(
+                f"These recordings cannot {reach} in {given:g} s: at {ahead.fastest:.2f} metres a second, the "
+                f"fastest there is in them, it takes {least:.0f} s at least, and some {_rounded(usual)} s as a rule. Give as "
+                f"many `seconds` (--seconds) or {nearer}; with `linger` (--linger) they go towards it for as long as is given."
+            )
+        if seconds is None and ahead.pace < HARDLY and usual - SETTLING > SECONDS:
+            raise InputError(
+                f"These recordings hardly get about ({ahead.pace:.2f} metres a second in a straight line): to {reach} they "
+                f"would take some {_rounded(usual)} s, and as likely as not never come there. Give {nearer}, of "
+                f"{SECONDS * ahead.pace:.1f} m at most; or say how long to try, `seconds` (--seconds)."
+            )
+        return given
 
     def may_try_again(self, seconds: float, fastest: float) -> bool:
         """Whether, where the first draw does not lead there, another may: ``fastest`` in metres a second."""
@@ -289,6 +316,11 @@ def _aimed(led: goals.Target | goals.Targets, drift: complex, via: Detour | None
     if len(aims) == 1:
         return goals.Target(aims[0], radius, led.weight)
     return goals.Targets(aims, radius, led.weight)
+
+
+def _rounded(seconds: float) -> int:
+    """Up, to ten."""
+    return 10 * math.ceil(seconds / 10.0)
 
 
 def names_recordings(word: str, names: Sequence[str], edits: Edits | None) -> bool:
