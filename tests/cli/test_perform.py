@@ -292,6 +292,28 @@ def test_what_cannot_be_is_one_message(
 
 
 @pytest.mark.parametrize(
+    "call",
+    [
+        ["--target", "nan,1"],
+        ["--target", "1e9,1"],
+        ["--target", "1,1", "--from", "A", "--to", "A"],
+        ["--to", "A"],
+        ["--within", "1"],
+        ["--target", "1,1", "--within", "0"],
+        ["--from", ""],
+        ["--favour", " "],
+    ],
+    ids=" ".join,
+)
+def test_wishes_that_cannot_be_are_told_before_a_recording_is_read(kinesics: Kinesics, call: list[str]) -> None:
+    """Nobody waits for a folder of recordings to be told so."""
+    got = kinesics("perform", "none.bvh", "--out", "new.bvh", *call)
+    assert got.code == 2
+    assert "none.bvh" not in got.err
+    assert got.err.count("kinesics: ") == 1
+
+
+@pytest.mark.parametrize(
     ("frames", "says"),
     [(1, "short is a single pose"), (2, "'short' lasts 0.067 s, 2 frames"), (12, "'short' lasts 0.4 s, 12 frames")],
 )

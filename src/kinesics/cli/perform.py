@@ -214,6 +214,7 @@ def perform(
     """
     from kinesics.report import performances
     from kinesics.synthesis.perform import performance
+    from kinesics.synthesis.wish import Wish
 
     if not out and not json:
         raise typer.BadParameter(
@@ -226,6 +227,8 @@ def perform(
         performances.check_output(out, overwrite=overwrite)
     place = None if target is None else _target(target)
     line = None if route is None else _route(route)
+    # what contradicts itself is told before anything is read
+    Wish.of(place, line, from_, to, favour, None, within)
     named = from_ is not None or favour is not None
     known_better = recording.read_edits(edits or (recording.edits_beside(files[0]) if named else None))
     reading = Reading(skeleton, map_, unit, up)
