@@ -54,6 +54,17 @@ def test_loops_of_who_stands_stay_on_the_spot(shared_data: Path, tmp_path: Path)
     assert found.below_floor < 0.01
 
 
+def test_legs_that_go_back_towards_their_source_do_not_sink(shared_data: Path) -> None:
+    """Who stands on one leg, where D may be little: what is taken back of planting does not put the foot below the floor."""
+    made = network(repertoire(kx.read(shared_data / "cmu" / "49/49_18.amc")))
+    paths = [0]
+    while len(paths) < 12:
+        paths.append(int(made.successors(paths[-1])[0]))
+    found = check(render(made, paths), made)
+    assert found.below_floor < 0.01
+    assert found.distance <= found.accepted
+
+
 def test_long_contacts_are_held_more_firmly() -> None:
     """As their length, from some seconds on: what a foot gives way in all does not grow."""
     bears = np.zeros(1000, dtype=np.bool_)

@@ -180,7 +180,7 @@ def pin(
     done, put_back = best
     beside = (done.roots[0] - roots[0]) * [1.0, 0.0, 1.0]
     done = done._replace(roots=done.roots - beside, corrected=done.corrected - beside)
-    return _above_the_floor(stage, done, put_back)
+    return done._replace(roots=above_the_floor(stage, done.roots, put_back))
 
 
 def _lower(stage: Stage, rotations: Array, roots: Array) -> Kinematics:
@@ -351,14 +351,19 @@ def put_arms_clear(stage: Stage, rotations: Array, roots: Array) -> None:
         some = np.unique(np.clip(some[:, None] + np.arange(-2 * reach, 2 * reach + 1), 0, len(rotations) - 1))
 
 
-def _above_the_floor(stage: Stage, footed: Footed, known: Kinematics) -> Footed:
-    """Where feet came below the floor as joints went back into their range, the body is raised."""
+def above_the_floor(stage: Stage, roots: Array, known: Kinematics) -> Array:
+    """Where feet came below the floor as joints went back, the body is raised: its places, shape (frames, 3).
+
+    Parameters
+    ----------
+    known : where legs and soles are with the body at ``roots``.
+    """
     sunk = -_lowest(stage.soles.place(known.positions, known.rotations)).min(axis=1) - SUNK
     if sunk.max() <= 0.0:
-        return footed
-    roots = footed.roots.copy()
-    roots[:, 1] += envelope(np.maximum(sunk, 0.0), max(1, round(SOFTLY * stage.repertoire.fps)))
-    return footed._replace(roots=roots)
+        return roots
+    raised = roots.copy()
+    raised[:, 1] += envelope(np.maximum(sunk, 0.0), max(1, round(SOFTLY * stage.repertoire.fps)))
+    return raised
 
 
 def _planted(

@@ -28,6 +28,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kinesics.body import kinematics
 from kinesics.body.contacts import Soles, runs
 from kinesics.body.motion import Motion
 from kinesics.body.pose import poses as _poses
@@ -37,7 +38,7 @@ from kinesics.similarity import paired_distance
 from kinesics.synthesis import blending
 from kinesics.synthesis.meeting import meetings
 from kinesics.synthesis.network import Network
-from kinesics.synthesis.planting import Footed, pin, put_arms_clear
+from kinesics.synthesis.planting import Footed, above_the_floor, pin, put_arms_clear
 from kinesics.synthesis.ranges import YIELD, envelope, put_joint, put_within_range
 from kinesics.synthesis.rehearsal import played
 from kinesics.synthesis.repertoire import Repertoire
@@ -166,7 +167,9 @@ def render(
     if pinned:
         footed = pin(stage, rotations, roots, standing)
         rotations, roots = footed.rotations, footed.roots
-        _not_too_far(stage, rotations, blended.rotations, laid.moments, network.threshold)
+        if _not_too_far(stage, rotations, blended.rotations, laid.moments, network.threshold):
+            known = kinematics.forward(network.repertoire.skeleton, rotations, roots, joints=stage.lower)
+            roots = above_the_floor(stage, roots, known)
     else:
         zero = np.zeros((len(roots), 2, 3))
         footed = Footed(rotations, roots, zero, np.zeros(len(roots)), np.zeros((len(roots), 2)))
@@ -364,23 +367,25 @@ def _inertial(stage: Stage, laid: _Laid, room: Array) -> tuple[_Blended, Array]:
     return _Blended(rotations, roots, weight), spans
 
 
-def _not_too_far(stage: Stage, rotations: Array, blended: Array, moments: Indices, threshold: float) -> None:
+def _not_too_far(stage: Stage, rotations: Array, blended: Array, moments: Indices, threshold: float) -> bool:
     """Where planting took a pose farther from its source than transitions are accepted at, it is taken back as far; in place.
 
-    The blend itself is nearer (`_NEAR`), and between two poses within range all are.
+    Returns whether any was. The blend itself is nearer (`_NEAR`), and between two poses within range all are.
     """
     repertoire = stage.repertoire
     joints = np.array([*stage.legs.femurs, *stage.legs.tibias])
     reach = max(1, round(YIELD * repertoire.fps))
     # what planting turns are four of fifteen links
+    went = False
     for _ in range(_TRIES):
         some = np.flatnonzero(quaternion.angle(rotations[:, joints], blended[:, joints]).max(axis=1) > _PLANTED_FAR)
         if not len(some):
-            return
+            break
         poses = _poses(Motion(repertoire.skeleton, rotations[some], np.zeros((len(some), 3)), repertoire.fps))
         apart = paired_distance(poses.quaternions, repertoire.quaternions_of(moments[some]))
         if not (apart > threshold).any():
-            return
+            break
+        went = True
         share = np.zeros(len(rotations))
         share[some[apart > threshold]] = _BACK
         share = envelope(share, reach)
@@ -390,6 +395,7 @@ def _not_too_far(stage: Stage, rotations: Array, blended: Array, moments: Indice
             put_joint(
                 rotations, goes, j, blending.add_rotation(stage.middle[j], at + share[goes, None] * (towards - at))
             )
+    return went
 
 
 # --- feet
