@@ -22,6 +22,7 @@ if the floor had been turned under the feet; standing, nothing is turned. ``bend
 from __future__ import annotations
 
 import cmath
+import math
 from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
@@ -316,6 +317,17 @@ class Controller:
             step = self._play(path, bend)
             yield step.path, step.turned
 
+    def be_at(self, place: complex, heading: float) -> None:
+        """Reckon from here on with where the body truly is at the end of the path decided for last.
+
+        Parameters
+        ----------
+        place, heading : z + i·x, metres; and radians.
+        """
+        now = self.now
+        now.place = place
+        now.heading += math.remainder(heading - now.heading, 2.0 * math.pi)
+
     def frame(self) -> Frame:
         """The next frame for a live avatar: decides whenever a path has been played to its end."""
         if self._frames is None:
@@ -411,10 +423,14 @@ class Controller:
         if now.since_jump < self._hold:
             hasty = self.prospects.first_jump[rows] + now.since_jump < self._hold
             if hasty.any() and not hasty.all():
-                # whoever can only go round and round has no choice
-                onward = ~hasty & (self.prospects.again(rows).min(axis=1) >= AT_ONCE)
-                miss[hasty] += np.inf if onward.any() else TOO_SOON
+                miss[hasty] += np.inf if self._leads_on(rows, ~hasty) else TOO_SOON
         return miss
+
+    def _leads_on(self, rows: slice, which: NDArray[np.bool_]) -> bool:
+        """Whether any of some composites does not come back at once: who can only go round and round has no choice."""
+        if (self.prospects.first_jump[rows][which] >= AT_ONCE).any():
+            return True
+        return bool((self.prospects.again(rows)[which].min(axis=1) >= AT_ONCE).any())
 
     def _row(self, miss: Array) -> _Row:
         """The row of P, of what the composites miss."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -154,6 +154,17 @@ class Onwards:
         return _Leaving(network, prospects, self)
 
 
+class _Early(NamedTuple):
+    """The first paths of some composites, shape (rows, those that begin early)."""
+
+    paths: NDArray[np.int32]
+    begins: Floats
+    again: Floats
+    shares: Floats
+    later: Floats
+    """What the others amount to, whatever was played before: shape (rows,)."""
+
+
 class _Leaving(Pursuit):
     """By how much too soon a composite plays what was played lately, or twice within itself: the mean over its frames."""
 
@@ -162,12 +173,29 @@ class _Leaving(Pursuit):
         self._lookahead = prospects.lookahead
         self._all = prospects
         self._goal = goal
+        self._known: dict[int, _Early] = {}
 
     def miss(self, rows: slice, now: Situation, bend: float) -> Array:
-        age = now.time - now.last_played[self._all.sequence[rows]]
-        since = np.minimum(self._all.begins(rows) + age, self._all.again(rows))
-        soon = np.maximum(1.0 - since / self._goal.within, 0.0)
-        return np.asarray(self._goal.weight * (self._all.shares(rows) * soon).sum(axis=1) ** 2, dtype=np.float64)
+        early = self._early(rows)
+        age = (now.time - now.last_played).astype(np.float32)
+        since = np.minimum(early.begins + age[early.paths], early.again)
+        soon = early.later + (early.shares * np.maximum(1.0 - since / self._goal.within, 0.0)).sum(axis=1)
+        return np.asarray(self._goal.weight * soon**2, dtype=np.float64)
+
+    def _early(self, rows: slice) -> _Early:
+        """Of composites what begins so early that what was played before counts; computed when first asked for."""
+        if rows.start not in self._known:
+            begins, again, shares = self._all.begins(rows), self._all.again(rows), self._all.shares(rows)
+            count = int((begins < self._goal.within).sum(axis=1).max())
+            later = (shares * np.maximum(1.0 - again / self._goal.within, 0.0))[:, count:].sum(axis=1)
+            self._known[rows.start] = _Early(
+                np.ascontiguousarray(self._all.sequence[rows, :count]),
+                np.ascontiguousarray(begins[:, :count]),
+                np.ascontiguousarray(again[:, :count]),
+                np.ascontiguousarray(shares[:, :count]),
+                later,
+            )
+        return self._known[rows.start]
 
     def chain(self, paths: Sequence[int], now: Situation) -> float:
         seconds = self._duration[list(paths)]
