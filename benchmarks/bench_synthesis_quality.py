@@ -222,7 +222,7 @@ def _speeds(rows: list[list[str]]) -> Table:
 def _speed(name: str, made: Network, ready: Prospects, ratios: list[float]) -> list[str]:
     strolling = LiveRenderer(made, stroll(made, _PATHS, 1, hold=0.5))
     controller = Controller(made, [Target(_FAR), Novelty(0.1), Economy(0.1)], seed=1, prepared=ready)
-    decided = LiveRenderer(made, controller.choices())
+    decided = LiveRenderer(made, controller)
     decided.step()  # where to begin is chosen among all paths, before anything moves
     cells = [cell for live in (strolling, decided) for cell in _live(live)]
     return [name, f"{made.repertoire.fps:g}", f"{statistics.median(ratios):.0f}x", *cells]
@@ -280,7 +280,7 @@ def live() -> list[Table]:
         goals = [Target(_FAR), Novelty(0.1), Economy(0.1)]
         for manner, paths in (
             ("calm", iter(stroll(made, _PATHS, 1, hold=0.5))),
-            ("deciding", Controller(made, goals, seed=1).choices()),
+            ("deciding", Controller(made, goals, seed=1)),
         ):
             frames = list(itertools.islice(LiveRenderer(made, paths), count))
             found = measure(performed(made, frames), made.repertoire, threshold=made.threshold)

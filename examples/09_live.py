@@ -26,7 +26,7 @@ circle = kx.performer.walk(seconds=16, fps=30, route="circle").motion
 
 net = network(repertoire([straight, circle]))  # once: what can be gone over into what
 controller = Controller(net, Target((3.0, 3.0)), seed=1)
-live = LiveRenderer(net, controller.choices())
+live = LiveRenderer(net, controller)
 
 frames = list(itertools.islice(live, 5 * 30))
 controller.pursue(Target((-3.0, 5.0)))  # from the next decision on

@@ -7,6 +7,7 @@ import numpy as np
 from kinesics.body import kinematics
 from kinesics.geometry import quaternion
 from kinesics.synthesis import inverse_kinematics
+from kinesics.synthesis.foresight import Foresight
 from kinesics.synthesis.stage import (
     LEAST_TURNING,
     LIFT,
@@ -45,13 +46,14 @@ class Treading:
     """Keeps feet in place knowing little of what comes."""
 
     def __init__(self, stage) -> None:
-        self.stage = stage
+        self.stage, self.known = stage, Foresight.of(stage)
         self.legs = stage.legs
         self.joints = [*self.legs.femurs, *self.legs.tibias, *self.legs.feet]
         self.soles = None
         self.lean, self.drop = np.zeros(2), 0.0
         self.shift, self.velocity, self.acceleration = np.zeros((3, 2, 2))
-        self.stood = [False, False]
+        self.over = np.zeros((2, 2))
+        self.stood, self.lags = [False, False], [False, False]
         self.slips = 0
         dt = 1.0 / stage.repertoire.fps
         self.turned = {j: Follower(max(stage.accelerations[j], LEAST_TURNING), dt) for j in self.joints}
@@ -64,10 +66,10 @@ class Treading:
         a, b = int(own.starts[recording]), int(own.starts[recording + 1])
         out = np.zeros(2)
         for k in (0, 1):
-            standing = own.contacts[0, a:b, k]
+            standing = self.known.standing[image, a:b, k]
             if standing.any():
                 out[k] = held_around(standing, seconds * own.fps)[frame - a]
-        return out[::-1] if image else out
+        return out
 
     def placed(self, rotations: np.ndarray, root: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Joints, and the points of the soles."""
@@ -97,16 +99,20 @@ class Treading:
         for k, known in enumerate(coming):
             stands = known.bears or (self.stood[k] and known.seconds < 0.13)
             if self.soles is not None and stands:
-                away = slid[k] - [known.moves.imag, known.moves.real]
-                wanted = -away / dt / (1.0 + (np.linalg.norm(away) / (2.5 * dt)) ** 4)
-                change = wanted - self.velocity[k]
-                self.velocity[k] += change * min(1.0, 60.0 * dt / max(np.linalg.norm(change), 1e-300))
+                # however the recording moves it, over the floor it comes to rest
+                self.velocity[k] = self.slower(self.over[k]) - slid[k] / dt
                 self.acceleration[k] = 0.0
                 self.shift[k] += dt * self.velocity[k]
+                self.lags[k] = False
             elif self.soles is not None:
+                if self.stood[k] or self.lags[k]:
+                    self.velocity[k] = self.slower(self.velocity[k])
+                    self.lags[k] = self.velocity[k].any()
                 self.swing(k, known.seconds, 0.8 * self.lean, dt)
             if stands and self.soles is not None:
                 went[k] = dt * self.velocity[k]
+            if self.soles is not None:
+                self.over[k] = slid[k] / dt + self.velocity[k]
             self.stood[k] = stands
             self.bears[k] += eased(0.1) * ((known.seconds < 0.1) - self.bears[k])
         self.soles, self.height = soles, height
@@ -154,6 +160,12 @@ class Treading:
         under = -soles[..., 1].min()
         raised = self.raised.follow(np.array([0.0, max(under - SUNK, 0.0), 0.0]))[1]
         return rotations, root + np.array([0.0, max(raised, under - 0.009), 0.0])
+
+    def slower(self, velocity: np.ndarray) -> np.ndarray:
+        """Braked for one frame as quickly as feet are."""
+        speed = np.linalg.norm(velocity)
+        least = max(speed - max(self.known.quick, 10.0) / self.stage.repertoire.fps, 0.0)
+        return velocity * (least / speed) if speed else velocity
 
     def swing(self, k: int, seconds: float, there: np.ndarray, dt: float) -> None:
         """One frame of a foot that swings: the polynomial of fifth degree that comes to rest in its place."""

@@ -9,9 +9,10 @@ import bisect
 import cmath
 import math
 import operator
+import weakref
 from collections import deque
-from collections.abc import Iterable, Sequence
-from typing import Final, NamedTuple
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Final, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,10 +23,11 @@ from kinesics.geometry import quaternion, single
 from kinesics.geometry.single import Quaternion, Vector
 from kinesics.synthesis import blending
 from kinesics.synthesis.foresight import Foresight, Stretch
+from kinesics.synthesis.meeting import meetings
 from kinesics.synthesis.network import Network
-from kinesics.synthesis.rehearsal import Rehearsal
+from kinesics.synthesis.rehearsal import played
 from kinesics.synthesis.rendering import Performance, Provenance
-from kinesics.synthesis.repertoire import BACKWARD_STRANDS
+from kinesics.synthesis.repertoire import BACKWARD_STRANDS, Repertoire
 from kinesics.synthesis.stage import SPARED, Stage, frames_of_reach
 from kinesics.synthesis.treading import Treading
 
@@ -104,6 +106,17 @@ class _Crossing(NamedTuple):
     velocity: Array
 
 
+@runtime_checkable
+class Guide(Protocol):
+    """Decides which way to go: a `kinesics.synthesis.controller.Controller`."""
+
+    def choices(self) -> Iterator[tuple[int, float] | None]:
+        """Paths, and by how many radians each is turned besides; None while one is thought over."""
+
+    def be_at(self, place: complex, heading: float) -> None:
+        """Be told where the body truly is as the next path begins, z + i·x, metres, and where it faces, radians."""
+
+
 class LiveRenderer:
     """Performs paths frame by frame, as they are chosen, knowing little of what comes.
 
@@ -114,8 +127,10 @@ class LiveRenderer:
     Parameters
     ----------
     network : of the paths.
-    paths : numbers of paths, each a successor of the one before, or pairs of such a number and the radians that the path is
-        turned by besides, as ``bend`` of `render`; None where none is decided for yet: then it is asked again a frame later.
+    paths : a `kinesics.synthesis.controller.Controller`, which is then told where the body truly comes to be as it goes with
+        its feet; or numbers of paths, each a successor of the one before, or pairs of such a number and the radians that the
+        path is turned by besides, as ``bend`` of `render`; None where none is decided for yet: then it is asked again a frame
+        later.
     start, heading : see `render`.
     pinned : whether feet are kept in place.
     ahead : seconds that are to be known: the next path is asked for as soon as less is. With 0 it is asked for as the one
@@ -132,7 +147,7 @@ class LiveRenderer:
     def __init__(
         self,
         network: Network,
-        paths: Iterable[int | tuple[int, float] | None],
+        paths: Guide | Iterable[int | tuple[int, float] | None],
         *,
         start: ArrayLike = (0.0, 0.0),
         heading: float = 0.0,
@@ -145,6 +160,9 @@ class LiveRenderer:
             origin, faced = np.empty(0), math.nan
         if origin.shape != (2,) or not np.isfinite(origin).all() or not math.isfinite(faced):
             raise InputError(f"Expected `start` as finite x, z and a finite `heading`, got {start!r} and {heading!r}.")
+        self._guide = paths if isinstance(paths, Guide) else None
+        if isinstance(paths, Guide):
+            paths = paths.choices()
         if not isinstance(paths, Iterable):
             raise InputError(f"Expected `paths` as numbers of paths one after the other, got {paths!r}.")
         if not (isinstance(ahead, int | float) and 0.0 <= ahead <= LONGEST_AHEAD):
@@ -153,10 +171,9 @@ class LiveRenderer:
         self.stage = Stage.of(network.repertoire)
         self._paths = iter(paths)
         self._treading = Treading(self.stage)
-        self._rehearsal = Rehearsal.of(self.stage) if pinned else None
+        self._played = played(self.stage) if pinned else network.repertoire
+        self._met = _met(network, self._played)
         self._foresight = Foresight.of(self.stage)
-        if self._rehearsal is not None:
-            self._moved = self._rehearsal.roots - network.repertoire.root_positions
         # joints that the body's carrier hangs on, from the root on
         self._above: list[int] = []
         joint = self.stage.carrier
@@ -165,15 +182,15 @@ class LiveRenderer:
             self._above.insert(0, joint)
         self._starts = network.repertoire.starts.tolist()
         self._reach = frames_of_reach(network.repertoire.fps)
-        network.edges(0, 0), network.met, network.onward  # tables that are made when first asked for
+        network.edges(0, 0), network.onward  # tables that are made when first asked for
         self.path = -1
         """Number of the path that is being performed, −1 before the first frame."""
         self.moment = -1
         """Moment of the repertoire that is being performed."""
-        self.place = origin.copy()
-        """Where the root is to be where the next path that is asked for begins, x and z, metres."""
+        self._laid = complex(origin[1], origin[0])
+        self._tell = False
         self.heading = faced
-        """The same of the heading, radians."""
+        """Where it is to face where the next path that is asked for begins, radians."""
         self._turn = 0.0
         self._known: deque[Stretch] = deque()
         self._at = 0
@@ -184,6 +201,15 @@ class LiveRenderer:
         self._ahead = round(ahead * network.repertoire.fps)
         self._frame = self._reaches = 0
         self._blends: list[_Blend] = []
+
+    @property
+    def place(self) -> Array:
+        """Where the root comes to be, as far as is known, where the next path that is asked for begins: x and z, metres."""
+        carried = self._laid + self._treading.carried
+        for blend in self._blends:
+            if blend.cut >= self._frame:
+                carried -= blend.leap
+        return np.array([carried.imag, carried.real])
 
     def __iter__(self) -> LiveRenderer:
         """Itself."""
@@ -241,6 +267,10 @@ class LiveRenderer:
                 self._lay(*self._chosen)
                 self._chosen = self._crossing = None
         elif not self._ended and self._reaches - self._frame <= self._ahead:
+            if self._guide is not None and self._tell:
+                x, z = self.place.tolist()
+                self._guide.be_at(complex(z, x), self.heading)
+                self._tell = False
             try:
                 chosen = next(self._paths)
             except StopIteration:
@@ -304,13 +334,13 @@ class LiveRenderer:
         image, onward = strand % 2, -1 if BACKWARD_STRANDS[strand] else 1
         bent = bend / length
         frames = frame + onward * np.arange(length + 1)
-        roots = repertoire.root_positions[image, frames]
+        roots = self._played.root_positions[image, frames]
         moved = np.diff(roots[:, 2] + 1j * roots[:, 0]) * np.exp(1j * (self._turn + bent * (np.arange(length) + 0.5)))
-        places = complex(self.place[1], self.place[0]) + np.concatenate([[0j], np.cumsum(moved)])
+        places = self._laid + np.concatenate([[0j], np.cumsum(moved)])
         self._known.append(Stretch(path, first, image, frame, onward, length, self._turn, bent, places[:-1].tolist()))
         self._last = path
         self._reaches += length
-        self.place = np.array([places[-1].imag, places[-1].real])
+        self._laid, self._tell = complex(places[-1]), True
         self._turn += bend
         yaw = float(repertoire.poses.yaw[frames[-1]])
         self.heading = (-yaw if image else yaw) + self._turn
@@ -325,10 +355,10 @@ class LiveRenderer:
         left, first = int(network.onward[self._last]), int(network.first[path])
         # how the two meet: as the controller and `kinesics.synthesis.rendering` have it
         edge = int(network.edges(self._last, path))
-        place, met = (complex(values[edge]) for values in network.met)
+        place, met = complex(self._met[0][edge]), float(self._met[1][edge])
         aside = place * cmath.exp(1j * self.heading)
-        turn = self._turn + float(repertoire.yaw_of(left)) + met.real - float(repertoire.yaw_of(first))
-        return _Crossing(left, first, aside, turn, met.real, *self._seam(left, first, turn, aside))
+        turn = self._turn + float(repertoire.yaw_of(left)) + met - float(repertoire.yaw_of(first))
+        return _Crossing(left, first, aside, turn, met, *self._seam(left, first, turn, aside))
 
     def _cut(self, crossing: _Crossing) -> None:
         stage, fps, (left, first, aside, turn, met, offset, velocity) = (
@@ -339,7 +369,7 @@ class LiveRenderer:
         leap = self._apart(left, first, turn, aside) if self.pinned else 0j
         offset[-1, 0] -= leap.imag
         offset[-1, 2] -= leap.real
-        self.place += aside.imag, aside.real
+        self._laid += aside
         self.heading += met
         which = stage.blended
         half = blending.window(
@@ -355,7 +385,7 @@ class LiveRenderer:
 
     def _seam(self, left: int, first: int, turn: float, aside: complex) -> tuple[Array, Array]:
         """`kinesics.synthesis.stage.seams` of one cut, shapes (joints + 1, 3)."""
-        repertoire, fps = self.network.repertoire, self.network.repertoire.fps
+        repertoire, fps = self._played, self._played.fps
         (image, here), (entered, there) = self._around(left), self._around(first)
         reached = [a >= 0 and b >= 0 for a, b in zip(here, there, strict=True)]
         # where either recording does not reach, the moment itself stands for the one beside it
@@ -363,10 +393,6 @@ class LiveRenderer:
         there = [b if both else there[1] for b, both in zip(there, reached, strict=True)]
         old, new = repertoire.rotations[image, here], repertoire.rotations[entered, there]
         places = repertoire.root_positions
-        if self._rehearsal is not None:
-            old[:, self._rehearsal.joints] = self._rehearsal.rotations[image, here]
-            new[:, self._rehearsal.joints] = self._rehearsal.rotations[entered, there]
-            places = self._rehearsal.roots
         offsets = np.empty((3, old.shape[1] + 1, 3))
         offsets[:, :-1] = _offset(old, new)
         roots = places[image, here].tolist(), places[entered, there].tolist()
@@ -379,12 +405,7 @@ class LiveRenderer:
         velocity = change * (fps / span) if span else np.zeros_like(change)
         # a rotation vector leaps where it passes half a turn; such an offset has no velocity that could be told
         velocity[np.einsum("ij,ij->i", change, change) >= 4.0] = 0.0
-        x, z = aside.imag, aside.real
-        if self._rehearsal is not None:
-            before, after = self._moved[image, here[1]].tolist(), self._moved[entered, there[1]].tolist()
-            further = single.subtract(_turned(after, turn), _turned(before, self._turn))
-            x, z = x + further[0], z + further[2]
-        now[-1, 0], now[-1, 2] = x, z
+        now[-1, 0], now[-1, 2] = aside.imag, aside.real
         return now, velocity
 
     def _apart(self, left: int, first: int, turn: float, aside: complex) -> complex:
@@ -401,12 +422,9 @@ class LiveRenderer:
 
     def _pose(self, image: int, frame: int, turn: float, place: complex) -> tuple[Array, Vector]:
         """What is performed in a frame, turned and put in its place: rotations (joints, 4), and where the root is."""
-        repertoire, rehearsal = self.network.repertoire, self._rehearsal
-        rotations = repertoire.rotations[image, frame].copy()
-        root: Vector = (place.imag, float(repertoire.root_positions[image, frame, 1]), place.real)
-        if rehearsal is not None:
-            rotations[rehearsal.joints] = rehearsal.rotations[image, frame]
-            root = single.add(root, _turned(self._moved[image, frame].tolist(), turn))
+        own = self._played
+        rotations = own.rotations[image, frame].copy()
+        root: Vector = (place.imag, float(own.root_positions[image, frame, 1]), place.real)
         rotations[self.stage.carrier] = self._faced(rotations, turn)
         return rotations, root
 
@@ -487,6 +505,23 @@ def performed(network: Network, frames: Sequence[LiveFrame], *, name: str = "liv
         np.zeros(count),
         zero,
     )
+
+
+_meetings: weakref.WeakKeyDictionary[Network, tuple[NDArray[np.complex128], Array]] = weakref.WeakKeyDictionary()
+
+
+def _met(network: Network, played: Repertoire) -> tuple[NDArray[np.complex128], Array]:
+    """`Network.met`, of moments with their feet where they are played; made once and kept as long as the network is."""
+    if network.meeting is None or played is network.repertoire:
+        return network.met
+    if network not in _meetings:
+        place, turn = network.met[0].copy(), network.met[1].copy()
+        jumps = np.flatnonzero(network.cost > 0.0)
+        owners = np.searchsorted(network.indptr, jumps, side="right") - 1
+        met = meetings(played, network.onward[owners], network.first[network.indices[jumps]])
+        place[jumps], turn[jumps] = met.place[:, 1] + 1j * met.place[:, 0], met.turn
+        _meetings[network] = place, turn
+    return _meetings[network]
 
 
 def _offset(left: Array, entered: Array) -> Array:

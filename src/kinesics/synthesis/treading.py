@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from kinesics.geometry import single
 from kinesics.geometry.single import Quaternion, Vector
 from kinesics.synthesis import inverse_kinematics
-from kinesics.synthesis.foresight import Coming
+from kinesics.synthesis.foresight import Coming, Foresight
 from kinesics.synthesis.repertoire import Repertoire
 from kinesics.synthesis.stage import (
     BEARING,
@@ -66,10 +66,10 @@ _BRAKE: Final = 0.5
 """Share of the acceleration that there may be which is counted on for stopping: what is gone after may turn round."""
 _BODY: Final = 2.0
 """By which the body may be accelerated more than in 99 of 100 frames of the recordings."""
-_STEADY: Final = 60.0
-"""m/s² that a foot is held against: more it has only as it is lifted."""
-_LIFTED: Final = 2.5
-"""m/s from which on a foot is not held back: it is being lifted, whatever the recording's contacts say."""
+
+_LEAST_STOPPED: Final = 10.0
+"""m/s² that a foot is stopped by as it comes down, and started by as it is lifted, also where those recorded hardly move; else as
+quickly as those are."""
 _STRETCH: Final = 0.1
 """Seconds in which the leg of a foot that comes down is stretched as far as its foot asks, by two thirds."""
 _NOWHERE: Final[Vector] = (0.0, 0.0, 0.0)
@@ -82,7 +82,9 @@ class Treading:
         repertoire, legs = stage.repertoire, stage.legs
         skeleton, soles = repertoire.skeleton, stage.soles
         fps = repertoire.fps
-        self._held, self._near = _holds(repertoire, RELEASE * fps), _holds(repertoire, LIFT * fps)
+        known = Foresight.of(stage)
+        standing, quick = known.standing, max(known.quick, _LEAST_STOPPED)
+        self._held, self._near = (_holds(repertoire, standing, reach * fps) for reach in (RELEASE, LIFT))
         joints = _hanging(skeleton.parents, [*legs.femurs, *legs.tibias, *legs.feet, *soles.joints.ravel().tolist()])
         place = {joint: k for k, joint in enumerate(joints)}
         self._joints = np.array(joints)
@@ -94,6 +96,7 @@ class Treading:
                 [(place[int(j)], _vector(v)) for j, v in zip(soles.joints[k], soles.offsets[k], strict=True)],
                 stage.levels[k].tolist(),
                 1.0 / fps,
+                quick,
             )
             for k in (0, 1)
         ]
@@ -133,6 +136,11 @@ class Treading:
                 rotations[limb.joint] = local[limb.at]
         _, raised, _ = self._raised.follow((0.0, max(-lowest - SUNK, 0.0), 0.0))
         return root[0] + shift[0], root[1] + shift[1] + max(raised, -lowest - _DEEPEST), root[2] + shift[2]
+
+    @property
+    def carried(self) -> complex:
+        """By how much the body is beside what is played, as it goes with its feet: z + i·x, metres."""
+        return complex(self._lean_z, self._lean_x)
 
     def held(self, image: int, frame: int) -> list[float]:
         """How firmly the recording holds either foot."""
@@ -267,16 +275,21 @@ class _Foot:
         points: list[tuple[int, Vector]],
         levels: list[float],
         dt: float,
+        quick: float,
     ) -> None:
         self.limbs = limbs
         self.hip, self.knee, self.ankle = limbs
         self._hinge, self._points, self._levels = hinge, points, levels
         self._slips, self._stretches = _eased(dt, _SLIPPED), _eased(dt, _STRETCH)
-        self._dt, self._steady, self._lifted = dt, _STEADY * dt, _LIFTED * dt
+        self._dt, self._steady = dt, quick * dt
         self._releases, self._grasps, self._softly = dt / RELEASE, dt / _GRASP, _eased(dt, SOFTLY)
         self._sole: list[Vector] = []
         self._velocity = self._acceleration = 0j
+        self._over = 0j
+        """How quickly its bearing part goes over the floor, z + i·x, m/s."""
         self._stands = False
+        self._lifted = False
+        """Whether it was lifted and still lags behind what is played."""
         self.went = 0j
         """By how much it was moved against the recording while it bears, z + i·x, metres."""
         self._bears = 0.0
@@ -303,12 +316,16 @@ class _Foot:
         # at a cut a foot may be grasped or let go from one frame to the next: not so quickly
         self.hold += min(max(held - self.hold, -self._releases), self._grasps)
         bears = coming.bears or (self._stands and coming.seconds < SHORTEST_GAP)
+        slid = 0j
         if not self._sole:
             self.hold, self._lift = held, near * (coming.height - lowest)
-        elif bears:
-            self._stay(self.slid(self._sole, sole) - coming.moves)
         else:
-            self._swing(coming.seconds, there)
+            slid = self.slid(self._sole, sole)
+            if bears:
+                self._stay(slid)
+            else:
+                self._swing(coming.seconds, there)
+        self._over = slid / self._dt + self._velocity
         self.went = self._dt * self._velocity if bears and self._sole else 0j
         self._stands, self._sole = bears, sole
         self._bears += self._stretches * (float(coming.seconds < _STRETCH) - self._bears)
@@ -333,20 +350,23 @@ class _Foot:
         self._sole = [single.add(point, (aside.imag, 0.0, aside.real)) for point in self._sole]
 
     def _stay(self, slid: complex) -> None:
-        """On the floor, against what the recording moves it by."""
+        """On the floor, against what is played moves it by: it comes to rest there, and rests."""
         dt = self._dt
-        velocity = -slid / (dt * (1.0 + (abs(slid) / self._lifted) ** 4))
-        change = velocity - self._velocity
-        leap = abs(change)
-        if leap > self._steady:
-            change *= self._steady / leap
-        self._velocity += change
+        speed = abs(self._over)
+        over = self._over * (1.0 - self._steady / speed) if speed > self._steady else 0j
+        self._velocity = over - slid / dt
         self._acceleration = 0j
+        self._lifted = False
         self.shift += dt * self._velocity
 
     def _swing(self, seconds: float, there: complex) -> None:
         """Through the air, to where it will be put down and at rest there: by the quintic that leads there from here."""
         dt, v, a = self._dt, self._velocity, self._acceleration
+        if self._stands or self._lifted:
+            # lifted, it goes as it is played: what lags behind is still on the floor
+            speed = abs(v)
+            self._lifted = speed > self._steady
+            v = v * (1.0 - self._steady / speed) if self._lifted else 0j
         time = max(min(max(seconds - _EARLY, 0.5 * seconds), _SWING), dt)
         # not farther than goes gently meanwhile
         gently = self.shift + 0.5 * time * v
@@ -442,13 +462,12 @@ def _eased(dt: float, seconds: float) -> float:
     return -math.expm1(-dt / seconds)
 
 
-def _holds(repertoire: Repertoire, reach: float) -> Array:
+def _holds(repertoire: Repertoire, standing: NDArray[np.bool_], reach: float) -> Array:
     """`held_around` of every frame, of both feet, as recorded and mirrored: shape (2, frames, 2)."""
     out = np.zeros((2, repertoire.frame_count, 2))
     for a, b in itertools.pairwise(repertoire.starts.tolist()):
-        for k in (0, 1):
-            standing = repertoire.contacts[0, a:b, k]
-            if standing.any():
-                out[0, a:b, k] = held_around(standing, reach)
-    out[1] = out[0, :, ::-1]
+        for image in (0, 1):
+            for k in (0, 1):
+                if standing[image, a:b, k].any():
+                    out[image, a:b, k] = held_around(standing[image, a:b, k], reach)
     return out
