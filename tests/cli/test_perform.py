@@ -222,7 +222,7 @@ def test_a_route_is_read_from_a_table(
 def test_a_route_is_read_as_spreadsheets_write_it(kinesics: Kinesics, walk: Path, tmp_path: Path, rows: str) -> None:
     """In quotes; with semicolons and decimal commas."""
     (tmp_path / "route.csv").write_text(rows, encoding="utf-8")
-    got = kinesics("perform", walk, "--route", "route.csv", "--json", "--seconds", "1")
+    got = kinesics("perform", walk, "--route", "route.csv", "--json", "--seconds", "4")
     assert got.code == 0, got.err
     assert got.json()["parameters"]["route"] == [[0.0, 0.0], [0.2, 3.0]]
 
@@ -477,7 +477,7 @@ def test_nothing_is_overwritten_unasked(kinesics: Kinesics, walk: Path, tmp_path
 def test_what_was_left_out_and_missed_is_said(kinesics: Kinesics, circle: Path, tmp_path: Path) -> None:
     """Unconnected clips by name, other rates, a target that was not reached; all the same it is performed."""
     kx.write(kx.performer.jumping_jacks(seconds=4, fps=60).motion, tmp_path / "jacks.bvh")
-    got = kinesics("perform", circle, "jacks.bvh", "--out", "new.bvh", "--target=-30,-2", "--seconds", "3")
+    got = kinesics("perform", circle, "jacks.bvh", "--out", "new.bvh", "--target=-30,-2", "--seconds", "3", "--linger")
     assert got.code == 0
     assert "nothing is performed of 'jacks'" in got.out
     assert "resampled to 30 frames a second: jacks.bvh" in got.out
