@@ -573,6 +573,21 @@ def test_a_far_shorter_way_by_more_bend_is_named(walks: list[kx.Motion]) -> None
     assert 1.3 * bent.length < round_.length
 
 
+def test_a_far_shorter_way_is_gone(shared_data: Path) -> None:
+    """Who says nothing comes there by the shorter way, and is told why; who asks for so much bend gets no more."""
+    walk = kx.read(shared_data / "cmu" / "07" / "07_01.amc").resample(30.0)
+    asked = kx.performance(walk, target=(-4, -4), bend=5, seconds=90)
+    (doubt,) = (line for line in asked.motion.warnings if "long way round" in line)
+    assert "leads there in about" in doubt
+    assert asked.parameters["bend_used"] == 5.0
+    free = kx.performance(walk, target=(-4, -4), seconds=90)
+    assert free.attained
+    assert free.parameters["bend"] is None
+    assert free.parameters["bend_used"] > 5.0
+    assert 2.0 * free.length < asked.length
+    assert any("with 5 the way is" in line for line in free.motion.assumptions)
+
+
 def test_on_and_on_it_passes_seldom_and_repeats_little(shared_data: Path) -> None:
     """Where nothing is wished for: fewer transitions than novelty alone would make, and hardly a moment twice."""
     clips = [kx.read(shared_data / "cmu" / n[:2] / f"{n}.amc") for n in ("91_01", "91_34")]

@@ -133,14 +133,15 @@ def perform(
         ),
     ] = 100.0,
     bend: Annotated[
-        float,
+        float | None,
         typer.Option(
             "--bend",
             metavar="DEG",
             rich_help_panel=_PANEL,
-            help="How much the way may be bent towards the goal, degrees a metre; more is tried where that does not do. 0: none.",
+            help="How much the way may be bent towards the goal, degrees a metre; more is tried where that does not do. 0: none. "
+            "Unless given 5, or more where the way becomes far shorter by it.",
         ),
-    ] = 5.0,
+    ] = None,
     backwards: Annotated[
         bool,
         typer.Option(

@@ -39,6 +39,8 @@ ROUNDABOUT: Final = 2.0
 """Times the straight way that the way is long, from which it is tried whether bending it more would make it far shorter."""
 FAR_SHORTER: Final = 1.5
 """Times shorter that it then is."""
+ABOUT_AS_SHORT: Final = 1.25
+"""Times the shortest way, up to which one that is bent less is taken instead."""
 LEAST_BEND: Final = 5.0
 """Degrees a metre: no smaller multiples of less are tried."""
 MOST_BEND: Final = 20.0
@@ -67,6 +69,8 @@ class Attempt(NamedTuple):
     """See `Wish.miss`."""
     shorter: Shorter | None = None
     """How one would come there by a far shorter way."""
+    spared: float = 0.0
+    """Metres of the long way round that was not gone, for this one is bent more."""
 
 
 def best_attempt(
@@ -82,6 +86,7 @@ def best_attempt(
     ahead: Prospects,
     again: bool,
     more_time: bool,
+    shorten: bool,
     progress: Callable[[float], object],
 ) -> Attempt:
     """The first way drawn that, as performed, leads where it is wished to; else that which misses least.
@@ -91,6 +96,7 @@ def best_attempt(
     seconds, seed, finish, beta, bend, start, ahead : as of `kinesics.synthesis.controller.perform_paths`.
     again : whether, where the first does not lead there, others are drawn.
     more_time : whether the later ways and detours may take longer than ``seconds``.
+    shorten : whether a way that is far shorter by being bent more is gone, not only told of.
     progress : called with the share done.
     """
     drift = 1.0 + 0.0j
@@ -117,21 +123,21 @@ def best_attempt(
         done = _until_there(performed(net, course), wish)
         return Attempt(course, bent, via, done, wish.miss(trail_of(done), False))
 
-    bends = [min(sharper * bend, max(bend, MOST_BEND)) for sharper in (SHARPER if again else SHARPER[:1])]
-    radii = [0.0] * len(bends)
+    allowed = [min(sharper * bend, max(bend, MOST_BEND)) for sharper in (SHARPER if again else SHARPER[:1])]
+    radii = [0.0] * len(allowed)
     if again and wish.places:
-        bends += [bends[-1]] * len(DETOURS)
+        allowed += [allowed[-1]] * len(DETOURS)
         radii += DETOURS
     best: Attempt | None = None
-    for number, (bent, radius) in enumerate(zip(bends, radii, strict=True)):
+    for number, (most_bent, radius) in enumerate(zip(allowed, radii, strict=True)):
         via, most = None, seconds * (MORE_TIME if more_time and number >= PATIENT else 1.0)
         if radius and best is not None:
-            gone = radius / (1.0 / ahead.turning + math.radians(bent))
+            gone = radius / (1.0 / ahead.turning + math.radians(most_bent))
             via = _ahead(best, wish, gone)
             most += 2.0 * gone * ahead.lookahead / ahead.reach if more_time else 0.0
         for _ in range(AIMS):
-            progress(number / len(bends))
-            this = draw(number, bent, via, most)
+            progress(number / len(allowed))
+            this = draw(number, most_bent, via, most)
             if best is None or this.miss < best.miss:
                 best = this
             if this.done is None or not wish.places or not any(this.miss):
@@ -141,9 +147,17 @@ def best_attempt(
         if not any(best.miss):
             break
     assert best is not None
-    return best._replace(
-        shorter=_far_shorter(net, wish, best, seconds, seed, finish, beta, start, ahead) if again else None
-    )
+    shorter = _far_shorter(net, wish, best, seconds, seed, finish, beta, start, ahead) if again else None
+    if shorter is not None and shorten:
+        drift = 1.0 + 0.0j
+        for _ in range(AIMS):
+            bent = draw(0, shorter.bend, None, seconds)
+            if bent.done is not None and bent.miss <= best.miss:
+                return bent._replace(spared=best.course.length)
+            if bent.done is None:
+                break
+            drift = drift_of(bent.course.ground, trail_of(bent.done))
+    return best._replace(shorter=shorter)
 
 
 def _far_shorter(
@@ -157,7 +171,9 @@ def _far_shorter(
     start: int | None,
     ahead: Prospects,
 ) -> Shorter | None:
-    """The shortest of the ways that a long way round becomes if it may be bent more, if it is far shorter; tried, not rendered."""
+    """The least bent of the far shorter ways that a long way round becomes if it may be bent more, of those about as short as the
+    shortest; tried, not rendered.
+    """
     if not (finish and wish.places and best.course.attained and best.course.length > ROUNDABOUT * wish.metres):
         return None
     found: list[Shorter] = []
@@ -169,7 +185,8 @@ def _far_shorter(
         )
         if course.attained and FAR_SHORTER * course.length <= best.course.length:
             found.append(Shorter(bend, course.length))
-    return min(found, key=lambda way: way.metres, default=None)
+    shortest = min((way.metres for way in found), default=0.0)
+    return next((way for way in found if way.metres <= ABOUT_AS_SHORT * shortest), None)
 
 
 def _until_there(done: Performance, wish: Wish) -> Performance:

@@ -52,7 +52,7 @@ def perform(
     linger: bool = False,
     seed: int = 0,
     beta: float = BETA,
-    bend: float = BEND,
+    bend: float | None = None,
     mirrored: bool = True,
     backwards: bool = False,
     skeleton: Skeleton | Motion | None = None,
@@ -87,7 +87,8 @@ def perform(
         to the target or along the route, up to seven others are drawn, which may be bent up to four times more; the best is
         performed.
     beta : how strictly the goal decides, from a stroll (0) to a beeline (infinite).
-    bend : by how much the way may be bent towards the goal, degrees a metre.
+    bend : by how much the way may be bent towards the goal, degrees a metre. Unless given 5, and more where the way to a target
+        becomes far shorter by it.
     mirrored : whether mirror images of the recordings may be performed.
     backwards : whether the recordings may be performed backwards, too: where the movement can be passed into from one that runs
         forwards, pose and velocity alike, as a reversible path can ([Schultz2012] §3.5). Nothing asks whether gravity allows it:
@@ -147,7 +148,7 @@ def performance(
     linger: bool = False,
     seed: int = 0,
     beta: float = BETA,
-    bend: float = BEND,
+    bend: float | None = None,
     mirrored: bool = True,
     backwards: bool = False,
     skeleton: Skeleton | Motion | None = None,
@@ -193,11 +194,12 @@ def performance(
         seed,
         finish=wish.ends and not linger,
         beta=beta,
-        bend=bend,
+        bend=BEND if bend is None else bend,
         start=start,
         ahead=ahead,
         again=wish.may_try_again(most, ahead.fastest),
         more_time=seconds is None and ahead.pace >= HARDLY,
+        shorten=bend is None,
         progress=lambda share: progress(0.75 + 0.1 * share, "choosing the way"),
     )
     progress(0.85, "performing")
@@ -208,7 +210,7 @@ def performance(
         "linger": bool(linger),
         "seed": seed,
         "beta": float(beta) if np.isfinite(beta) else "infinite",
-        "bend": float(bend),
+        "bend": None if bend is None else float(bend),
         "bend_used": float(best.bend),
         "mirrored": bool(mirrored),
         "backwards": bool(backwards),
@@ -349,6 +351,12 @@ def _start(net: Network, wish: Wish, seed: int) -> int | None:
     return int(np.random.default_rng(seed).choice(begins))
 
 
+def _why_bent(best: Attempt, asked: float) -> str:
+    if best.spared:
+        return f", for with {asked:g} the way is {best.spared:.1f} m long instead of {best.course.length:.1f}"
+    return "" if best.bend == asked else f", for {asked:g} did not lead there"
+
+
 def _chosen(net: Network, parameters: Mapping[str, Any], best: Attempt) -> tuple[str, ...]:
     from kinesics import __version__
 
@@ -356,7 +364,7 @@ def _chosen(net: Network, parameters: Mapping[str, Any], best: Attempt) -> tuple
         f"transitions up to a mean D of {net.threshold:.3g} ({net.rule})",
         *(f"not used: {pruned}" for pruned in net.pruned),
         f"chosen with seed {parameters['seed']}, beta {parameters['beta']}, bend {best.bend:g} degrees a metre"
-        + ("" if best.bend == parameters["bend"] else f", for {parameters['bend']:g} did not lead there")
+        + _why_bent(best, BEND if parameters["bend"] is None else parameters["bend"])
         + ("" if best.via is None else f", by way of ({best.via.place[0]:.1f}, {best.via.place[1]:.1f}) to turn there")
         + f", by kinesics {__version__}",
     )
