@@ -64,10 +64,36 @@ def test_the_seam_is_that_of_the_whole(
         renderer._turn = yaw
         x, z = rng.uniform(-0.2, 0.2, 2)
         at = (np.array([v]) for v in (left, yaw, first, turn, (x, z)))
-        offsets, velocities, *_ = seams(own, stage.carrier, *at)
-        offset, velocity = renderer._seam(left, first, turn, complex(z, x))
-        assert np.abs(offset - offsets[0]).max() < 1e-7
-        assert np.abs(velocity - velocities[0]).max() < 1e-5
+        found, whole = renderer._seam(left, first, turn, complex(z, x)), seams(own, stage.carrier, *at)
+        for one, many, most in zip(found, whole, (1e-7, 1e-5, 1e-7, 1e-5), strict=True):
+            assert np.abs(one - many[0]).max() < most
+
+
+def test_overlapping_transitions_do_not_leap(made: Network) -> None:
+    """Where a cut follows while the transition before is not over, what is left and what is entered are the same pose there."""
+    own, stage = made.repertoire, Stage.of(made.repertoire)
+    paths = [3]
+    while len(paths) < 150:
+        may = made.successors(paths[-1])
+        leaves = may[made.first[may] != made.onward[paths[-1]]]
+        paths.append(int(leaves[0] if len(leaves) else may[0]))
+    renderer, overlaps, played_last = LiveRenderer(made, paths, pinned=False), 0, -1
+    for _ in range(int(15 * own.fps)):
+        blends, frame = renderer._blends, renderer._frame
+        moment = next(renderer).moment
+        if any(blend.cut == frame for blend in blends):
+            left = own.rotations_of(own.advance(np.array([played_last]), 1))[0]
+            entered = own.rotations_of(np.array([moment]))[0]
+            for blend in blends:
+                time = (frame - blend.cut) / own.fps
+                left = blending.add_rotation(left, blend.at(time - 1e-9)[:-1])
+                if blend.ends > frame:
+                    entered = blending.add_rotation(entered, blend.at(time)[:-1])
+                elif blend.cut < frame:
+                    overlaps += bool(np.abs(blend.at(time)).max() > 0.03)
+            assert np.delete(quaternion.angle(left, entered), stage.carrier).max() < 1e-6
+        played_last = moment
+    assert overlaps > 3
 
 
 def test_offsets_of_one_frame_are_those_of_many(rng: np.random.Generator) -> None:
@@ -312,7 +338,7 @@ def test_feet_stay_live(shared_data: Path, clips: list[str]) -> None:
     """
     read = [kx.read(shared_data / "cmu" / f"{clip}.amc").resample(60.0) for clip in clips]
     found = quality_live(network(repertoire(read)), 12.0, 2)
-    assert found.contacts > 8
+    assert found.contacts > 4
     assert found.slides_over.recordings > 0.6
     assert found.slides_over.performance <= 0.1
     assert found.contact_share.performance == pytest.approx(found.contact_share.recordings, rel=0.1)

@@ -17,6 +17,7 @@ from typing import Final, NamedTuple, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kinesics.body import kinematics
 from kinesics.body.motion import Motion
 from kinesics.errors import InputError
 from kinesics.geometry import quaternion, single
@@ -28,7 +29,7 @@ from kinesics.synthesis.network import Network
 from kinesics.synthesis.rehearsal import played
 from kinesics.synthesis.rendering import Performance, Provenance
 from kinesics.synthesis.repertoire import BACKWARD_STRANDS, Repertoire
-from kinesics.synthesis.stage import SPARED, Stage, frames_of_reach
+from kinesics.synthesis.stage import LEAST_TURNING, SPARED, Stage, frames_of_reach
 from kinesics.synthesis.treading import Treading
 
 Array = NDArray[np.float64]
@@ -46,6 +47,8 @@ _SHORTLY: Final = 3
 """Frames: while fewer are known it is hurried."""
 LONGEST_AHEAD: Final = 10.0
 """Seconds."""
+_INSTANT: Final = 1e-3
+"""Seconds over which it is told how quickly an offset changes that is known at all times."""
 
 
 class LiveFrame(NamedTuple):
@@ -70,22 +73,28 @@ class _Blend(NamedTuple):
     offset: Array
     """Of joints and root, shape (joints + 1, 3)."""
     velocity: Array
-    before: float
-    """Seconds that it takes."""
-    after: float
-    share: float
-    """Of the offset that is borne before the cut."""
+    before: Array
+    """Seconds that each takes to either side of the cut, shape (joints + 1, 1)."""
+    after: Array
+    share: Array
+    """Of the offset that each bears before the cut."""
     leap: complex
     """By how much what is then performed lies beside where its feet would stand where those stand that are left, z + i·x."""
 
     def at(self, time: float) -> Array:
         """What it adds so many seconds from the cut: `kinesics.synthesis.blending.two_sided`."""
-        share, span = (self.share, self.before) if time < 0.0 else (self.share - 1.0, self.after)
-        t = min(abs(time) / span, 1.0) if span > 0.0 else 1.0
+        if time < 0.0:
+            share, span, time = self.share, self.before, -time
+            way = -span
+        else:
+            share, span = self.share - 1.0, self.after
+            way = span
+        t = np.minimum(time / span, 1.0)
         rest = 1.0 - t
         cube = share * rest * rest * rest
-        faster = cube * span * (t + 3.0 * t * t) * (-1.0 if time < 0.0 else 1.0)
-        return (cube * (1.0 + 3.0 * t + 6.0 * t * t)) * self.offset + faster * self.velocity
+        return np.asarray(
+            (cube * (1.0 + t * (3.0 + 6.0 * t))) * self.offset + (cube * way * t * (1.0 + 3.0 * t)) * self.velocity
+        )
 
 
 class _Crossing(NamedTuple):
@@ -101,9 +110,18 @@ class _Crossing(NamedTuple):
     """By which it is turned about the vertical, radians."""
     met: float
     """By which it faces elsewhere."""
+    seam: _Seam
+
+
+class _Seam(NamedTuple):
+    """By how much what is entered differs from what is left, and how quickly that changes: `kinesics.synthesis.stage.Seams`."""
+
     offset: Array
     """Of joints and root, shape (joints + 1, 3)."""
     velocity: Array
+    places: Array
+    """Of the joints' places, shape (joints, 3)."""
+    moving: Array
 
 
 @runtime_checkable
@@ -201,6 +219,13 @@ class LiveRenderer:
         self._ahead = round(ahead * network.repertoire.fps)
         self._frame = self._reaches = 0
         self._blends: list[_Blend] = []
+        stage, which = self.stage, self.stage.blended
+        self._spared = SPARED * np.concatenate([stage.accelerations[which], stage.places])
+        self._loose = np.ones(len(stage.accelerations), dtype=np.bool_)
+        self._loose[which] = False
+        # what each may be accelerated by that may take a time of its own
+        self._slowly = np.maximum(SPARED * stage.accelerations, LEAST_TURNING)
+        self._slowly[stage.lower] = np.inf
 
     @property
     def place(self) -> Array:
@@ -233,11 +258,11 @@ class LiveRenderer:
         self.path, self.moment = playing.path, playing.moment + self._at * playing.onward
         turn = playing.turn + self._at * playing.bend
         rotations, root = self._pose(image, frame, turn, playing.places[self._at])
-        added = self._added()
-        if added is not None:
-            rotations = self._inside(_added(rotations, added[:-1]))
-            x, y, z = added[-1].tolist()
-            root = single.add(root, (x, y, z))
+        if self._blends:
+            for added in self._added():
+                rotations = _added(rotations, added[:-1])
+                root = single.add(root, _vector(added[-1]))
+            rotations = self._inside(rotations)
         if self.pinned:
             for blend in self._blends:
                 if blend.cut == self._frame:
@@ -284,15 +309,11 @@ class LiveRenderer:
                 else:
                     self._chosen = path, bend
 
-    def _added(self) -> Array | None:
-        """What transitions add to joints and root, shape (joints + 1, 3)."""
-        total: Array | None = None
-        for blend in self._blends:
-            added = blend.at((self._frame - blend.cut) / self.network.repertoire.fps)
-            total = added if total is None else total + added
-        if self._blends and self._blends[0].ends <= self._frame:
+    def _added(self) -> list[Array]:
+        """What each transition adds to joints and root, the earliest first, shape (joints + 1, 3) each."""
+        if self._blends[0].ends <= self._frame:
             self._blends = [blend for blend in self._blends if blend.ends > self._frame]
-        return total
+        return [blend.at((self._frame - blend.cut) / self.network.repertoire.fps) for blend in self._blends]
 
     def _faced(self, rotations: Array, turn: float) -> Quaternion:
         """The rotation of the joint that a body hangs on, turned about the vertical: see `turn_bodies`."""
@@ -358,33 +379,45 @@ class LiveRenderer:
         place, met = complex(self._met[0][edge]), float(self._met[1][edge])
         aside = place * cmath.exp(1j * self.heading)
         turn = self._turn + float(repertoire.yaw_of(left)) + met - float(repertoire.yaw_of(first))
-        return _Crossing(left, first, aside, turn, met, *self._seam(left, first, turn, aside))
+        return _Crossing(left, first, aside, turn, met, self._seam(left, first, turn, aside))
 
     def _cut(self, crossing: _Crossing) -> None:
-        stage, fps, (left, first, aside, turn, met, offset, velocity) = (
-            self.stage,
-            self.network.repertoire.fps,
-            crossing,
-        )
+        """Go over into what is entered."""
+        stage, fps = self.stage, self.network.repertoire.fps
+        left, first, aside, turn, met, (offset, velocity, places, moving) = crossing
         leap = self._apart(left, first, turn, aside) if self.pinned else 0j
-        offset[-1, 0] -= leap.imag
-        offset[-1, 2] -= leap.real
+        stays = np.array([leap.imag, 0.0, leap.real])
+        offset[-1] -= stays
         self._laid += aside
         self.heading += met
+        if self._blends and self._blends[-1].ends > self._reaches:
+            # what remains of the transition before ends here
+            earlier = self._blends[-1]
+            since = (self._reaches - earlier.cut) / fps
+            offset, velocity = _absorbed(offset, velocity, earlier, since)
+            self._blends[-1] = earlier._replace(ends=self._reaches)
         which = stage.blended
         half = blending.window(
-            _sizes(offset[which]), _sizes(velocity[which]), SPARED * stage.accelerations[which]
+            _sizes(np.concatenate([offset[which], places - stays])),
+            _sizes(np.concatenate([velocity[which], moving])),
+            self._spared,
         ).after
         before = min(half, (self._reaches - self._frame) / fps)
         # what there is no time for before the cut has to be done after it
         after = min(math.sqrt(2.0 * half * half - before * before), blending.LONGEST)
         share = before * before / (before * before + after * after)
-        ends = self._reaches + math.ceil(after * fps)
-        self._blends.append(_Blend(self._reaches, ends, offset, velocity, before, after, share, leap))
+        window = blending.Window(before, after, share)
+        velocity, pace = blending.at_their_own_pace(offset, velocity, window, self._loose, self._slowly)
+        # what takes longer cannot have begun before it was known
+        early, late = before * np.minimum(pace, 1.0), after * pace
+        shares = early * early / (early * early + late * late)
+        ends = self._reaches + math.ceil(float(late.max()) * fps)
+        spans = np.maximum(early, _INSTANT)[:, None], late[:, None]
+        self._blends.append(_Blend(self._reaches, ends, offset, velocity, *spans, shares[:, None], leap))
         self._turn = turn
 
-    def _seam(self, left: int, first: int, turn: float, aside: complex) -> tuple[Array, Array]:
-        """`kinesics.synthesis.stage.seams` of one cut, shapes (joints + 1, 3)."""
+    def _seam(self, left: int, first: int, turn: float, aside: complex) -> _Seam:
+        """`kinesics.synthesis.stage.seams` of one cut."""
         repertoire, fps = self._played, self._played.fps
         (image, here), (entered, there) = self._around(left), self._around(first)
         reached = [a >= 0 and b >= 0 for a, b in zip(here, there, strict=True)]
@@ -396,17 +429,25 @@ class LiveRenderer:
         offsets = np.empty((3, old.shape[1] + 1, 3))
         offsets[:, :-1] = _offset(old, new)
         roots = places[image, here].tolist(), places[entered, there].tolist()
+        carrier = self.stage.carrier
+        stood = np.empty((6, 3))
         for k, (before, after) in enumerate(zip(*roots, strict=True)):
             own, other = self._faced(old[k], self._turn), self._faced(new[k], turn)
-            offsets[k, self.stage.carrier] = single.as_rotvec(single.undo(own, other))
-            offsets[k, -1] = single.subtract(_turned(after, turn), _turned(before, self._turn))
+            offsets[k, carrier] = single.as_rotvec(single.undo(own, other))
+            old[k, carrier], new[k, carrier] = own, other
+            stood[k], stood[k + 3] = _turned(before, self._turn), _turned(after, turn)
+        offsets[:, -1] = stood[3:] - stood[:3]
+        body = kinematics.forward(repertoire.skeleton, np.concatenate([old, new]), stood).positions
+        away = body[3:] - body[:3]
         earlier, now, later = offsets
-        change, span = later - earlier, self._reach * (reached[0] + reached[2])
+        span = self._reach * (reached[0] + reached[2])
+        change, moving = later - earlier, away[2] - away[0]
         velocity = change * (fps / span) if span else np.zeros_like(change)
         # a rotation vector leaps where it passes half a turn; such an offset has no velocity that could be told
         velocity[np.einsum("ij,ij->i", change, change) >= 4.0] = 0.0
+        apart = away[1] - now[-1]
         now[-1, 0], now[-1, 2] = aside.imag, aside.real
-        return now, velocity
+        return _Seam(now, velocity, apart + now[-1], moving * (fps / span) if span else np.zeros_like(moving))
 
     def _apart(self, left: int, first: int, turn: float, aside: complex) -> complex:
         """By how much bearing feet stand elsewhere in what is entered."""
@@ -535,15 +576,35 @@ def _offset(left: Array, entered: Array) -> Array:
 
 def _added(q: Array, offset: Array) -> Array:
     """The same of `kinesics.synthesis.blending.add_rotation`."""
-    angle = np.sqrt(np.einsum("...i,...i->...", offset, offset))
-    turn = np.empty_like(q)
-    turn[..., 0] = np.cos(0.5 * angle)
-    turn[..., 1:] = (np.sin(0.5 * angle) / np.maximum(angle, 1e-150))[..., None] * offset
-    return np.asarray((q[..., :, None] * turn[..., None, :]).reshape(*q.shape[:-1], 16) @ _MULTIPLIED)
+    return np.asarray((q[..., :, None] * _turns(offset)[..., None, :]).reshape(*q.shape[:-1], 16) @ _MULTIPLIED)
+
+
+def _turns(vectors: Array) -> Array:
+    """The same of `quaternion.from_rotvec`."""
+    angle = np.sqrt(np.einsum("...i,...i->...", vectors, vectors))
+    out = np.empty((*vectors.shape[:-1], 4))
+    out[..., 0] = np.cos(0.5 * angle)
+    out[..., 1:] = (np.sin(0.5 * angle) / np.maximum(angle, 1e-150))[..., None] * vectors
+    return out
 
 
 def _sizes(vectors: Array) -> Array:
     return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)))
+
+
+def _absorbed(offset: Array, velocity: Array, earlier: _Blend, since: float) -> tuple[Array, Array]:
+    """`kinesics.synthesis.blending.absorbed`."""
+    remains = np.stack([earlier.at(since + time) for time in (-_INSTANT, 0.0, _INSTANT)])
+    apart = offset + np.array([-_INSTANT, 0.0, _INSTANT])[:, None, None] * velocity
+    gone, turned = (_turns(vectors[:, :-1]) for vectors in (remains, apart))
+    apart[:, :-1] = _offset(gone, turned)
+    apart[:, -1] -= remains[:, -1]
+    return apart[1], (apart[2] - apart[0]) / (2.0 * _INSTANT)
+
+
+def _vector(values: Array) -> Vector:
+    x, y, z = values.tolist()
+    return x, y, z
 
 
 def _plain(rotation: Array) -> Quaternion:
