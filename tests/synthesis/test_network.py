@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 
 import kinesics as kx
-from bodies import about, moving
+from bodies import about, moving, rounds
 from kinesics.analysis.facts import Phrase
-from kinesics.body.motion import Motion
 from kinesics.errors import InputError
 from kinesics.geometry import quaternion
 from kinesics.grammar.graph import MotionGraph, Occurrence, Source, State, Stay
@@ -22,22 +21,6 @@ from kinesics.synthesis.network import Network, network
 from kinesics.synthesis.repertoire import repertoire
 from kinesics.synthesis.transitions import transitions
 from naive import transitions as naive
-
-
-def rounds(seconds: float = 16.0, *, fps: float = 30.0, lead: float = 0.0, speed: float = 1.2) -> Motion:
-    """A march that bends to the left, arms and legs together, now wider and now less, after ``lead`` seconds of reaching up."""
-    t = np.arange(round(seconds * fps)) / fps
-    swing = (1.0 + 0.15 * np.sin(2.0 * np.pi * 0.13 * t)) * np.sin(2.0 * np.pi * 0.9 * t)
-    up = 1.5 * np.clip(1.0 - t / lead, 0.0, 1.0) if lead else np.zeros_like(t)
-    turned = 0.12 * t**1.2
-    angles = {"Hips": about(1, turned), "Neck": about(0, up)}
-    for side, sign in (("Left", 1.0), ("Right", -1.0)):
-        angles[f"{side}UpLeg"] = about(0, 0.5 * sign * swing)
-        angles[f"{side}Leg"] = about(0, 0.4 + 0.3 * sign * swing)
-        angles[f"{side}Arm"] = about(0, -0.4 * sign * swing - up)
-    motion = moving(angles, fps=fps, file_name="rounds")
-    steps = np.stack([np.sin(turned), np.zeros_like(t), np.cos(turned)], axis=1) * speed / fps
-    return motion.replace(root_positions=motion.root_positions + np.cumsum(steps, axis=0))
 
 
 @pytest.fixture(scope="module", params=["as recorded", "mirrored", "backwards", "backwards and mirrored"])

@@ -154,6 +154,16 @@ def glitches(motion: Motion, steps: Steps, cuts: Collection[int]) -> list[Findin
     return _leaps_of_root(motion, steps, root_leap) + _leaps_of_joints(motion, steps, leap)
 
 
+def thrown(motion: Motion, least: float) -> list[tuple[int, int]]:
+    """Where a motion of two frames or more leaps so that something is thrown by ``least`` metres, or has a gap: first and last
+    frame of each stretch, from the frame before the leap to the frame behind it.
+    """
+    steps = measure(motion, continuous(motion.rotations))
+    cuts = gaps(motion, steps)
+    found = cuts + [leap for leap in glitches(motion, steps, {c.start - 1 for c in cuts}) if leap.moved >= least]
+    return [(max(f.start - 1, 0), min(f.end, motion.frame_count - 1)) for f in found]
+
+
 def _leaps_of_root(motion: Motion, steps: Steps, leap: Mask) -> list[Finding]:
     out = []
     for first, last in _events(leap, motion.fps):

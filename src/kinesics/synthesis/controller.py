@@ -31,7 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.errors import InputError
-from kinesics.synthesis import ways
+from kinesics.synthesis import faults, ways
 from kinesics.synthesis.goals import Feature, Goal, OwnFeature, Pursuit, Situation, ToPlaces, TrailPursuit
 from kinesics.synthesis.goals.pursuit import listed
 from kinesics.synthesis.prospects import AT_ONCE, LOOKAHEAD, Prospects, Trail, Trails, prospects, trails
@@ -50,6 +50,9 @@ HOLD: Final = 0.2
 """Seconds that a recording is kept before it is left again, where there is a choice."""
 TOO_SOON: Final = 1.0
 """What leaving a recording sooner weighs, in squared spreads, where all else comes back at once: no loop is a prison."""
+LEAPING: Final = 1.0
+"""What every path weighs in which the recording leaps (`kinesics.synthesis.faults`), in squared spreads: it is gone round where
+that costs less."""
 OPENING: Final = 0.02
 """Where to begin is drawn by E to this power: so that other seeds begin otherwise, and none by standing about."""
 LONGEST: Final = 24 * 3600.0
@@ -225,6 +228,9 @@ class Controller:
         goes_on[np.searchsorted(network.indptr, free, side="right") - 1] = network.indices[free]
         self._goes_on = goes_on.tolist()
         self._moment = np.asarray(network.first).tolist()
+        leaping = faults.of_paths(network)
+        # of a path that is not there (-1) nothing
+        self._leaping = np.append(LEAPING * leaping, 0.0) if leaping.any() else None
         self._fps = float(network.repertoire.fps)
         self.now = Situation(
             place=complex(place[1], place[0]),
@@ -472,6 +478,8 @@ class Controller:
             for pursuit in led:
                 bend = self._bend if pursuit.steers else 0.0
                 miss += np.minimum.reduceat(pursuit.weigh(trail, self.now, bend), group)
+        if self._leaping is not None and not self._leaping[:-1].all():
+            miss[self._leaping[:-1] > 0.0] = np.inf
         return Transition(every, self._chances(OPENING * (miss - miss.min())))
 
     def _misses(self, rows: slice) -> Array:
@@ -479,6 +487,8 @@ class Controller:
         for pursuit in self._pursuits:
             steers = isinstance(pursuit, TrailPursuit) and pursuit.steers
             miss += pursuit.miss(rows, self.now, self._bend if steers else 0.0)
+        if self._leaping is not None:
+            miss += self._leaping[self.prospects.sequence[rows]].sum(axis=1)
         return miss
 
     def _continued(self, intention: _Composite) -> _Composite | None:
@@ -507,7 +517,9 @@ class Controller:
         if points == 0:
             if not head.places.shape[1]:
                 return None
-            return _Composite(intention.paths, head, float(self._weighed(head)[0]) + self._chained(intention.paths))
+            return _Composite(
+                intention.paths, head, float(self._weighed(head)[0]) + self._chained(intention.paths, intention.paths)
+            )
         turn = np.exp(1j * heading)
         swerve = self._swerve_at(self.now.path, intention.paths)
         trail = Trail(
@@ -523,6 +535,8 @@ class Controller:
             _beside(head.playing, then.playing[:, :points], count),
         )
         miss = self._weighed(trail)
+        if self._leaping is not None:
+            miss += self._leaping[self.prospects.sequence[rows]].sum(axis=1)
         hasty = self.prospects.first_jump[rows] + since_jump < self._hold
         if not hasty.all():
             miss[hasty] = np.inf
@@ -535,7 +549,7 @@ class Controller:
             paths.append(path)
             lasted += self._duration[path]
         chosen = Trail._make((trail.times, *(values[best : best + 1] for values in trail[1:])))
-        return _Composite(tuple(paths), chosen, float(miss[best]) + self._chained(paths))
+        return _Composite(tuple(paths), chosen, float(miss[best]) + self._chained(paths, intention.paths))
 
     def _weighed(self, trail: Trail) -> Array:
         miss = np.zeros(len(trail.places))
@@ -544,8 +558,10 @@ class Controller:
                 miss += pursuit.weigh(trail, self.now, self._bend if pursuit.steers else 0.0)
         return miss
 
-    def _chained(self, paths: Sequence[int]) -> float:
-        return sum(p.chain(paths, self.now) for p in self._pursuits if not isinstance(p, TrailPursuit))
+    def _chained(self, paths: Sequence[int], intended: Sequence[int]) -> float:
+        """What a chain of paths misses besides where it leads; of its faults those that were intended already."""
+        miss = sum(p.chain(paths, self.now) for p in self._pursuits if not isinstance(p, TrailPursuit))
+        return miss if self._leaping is None else miss + float(self._leaping[list(intended)].sum())
 
     def _entered(self, before: int, path: int, place: complex, heading: float) -> tuple[complex, float]:
         """Place and heading at the first frame of a path, from those with which the path before would have gone on."""

@@ -14,6 +14,7 @@ from kinesics.synthesis.attempts import MOST_BEND, Shorter
 from kinesics.synthesis.checking import ROUNDING, SLIDE, SUNK, Slid
 from kinesics.synthesis.piece import SWAY, Piece, way_of
 from kinesics.synthesis.prospects import Prospects
+from kinesics.synthesis.repertoire import THROWN
 from kinesics.synthesis.stage import FLESH
 from kinesics.synthesis.wish import HARDLY, MOST_SECONDS, SPARE, Wish
 
@@ -49,6 +50,7 @@ def doubts(
         _missed(piece, wish, ahead, most, seconds),
         _roundabout(piece, wish, shorter),
         _short(piece, wish),
+        _leapt(piece),
         *_slid(piece),
         _beyond(piece),
     )
@@ -169,6 +171,22 @@ def _short(piece: Piece, wish: Wish) -> str:
     return (
         f"{wish.from_state} to {wish.to_state} lasts {piece.motion.duration:.2g} s: where the recordings pass so quickly from the "
         "one to the other there is hardly more to be seen; `linger` (--linger) with `seconds` (--seconds) goes on from there"
+    )
+
+
+def _leapt(piece: Piece) -> str:
+    """Faults of the recordings that had to be performed."""
+    stock = piece.network.repertoire
+    played = stock.faults[stock.frame_of(piece.course.moments)]
+    begins = np.flatnonzero(np.diff(played, prepend=False) & played) / piece.motion.fps
+    if not len(begins):
+        return ""
+    shown = ", ".join(f"{second:.1f} s" for second in begins[:4].tolist())
+    more = f" and {len(begins) - 4} times more" if len(begins) > 4 else ""
+    return (
+        f"the body leaps at {shown}{more} as it does in the recordings, by more than {100 * THROWN:g} cm from one frame to the "
+        "next: what was wished for leads through these faults, or nothing else goes on from there; mend them, or give other "
+        "recordings"
     )
 
 

@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 from kinesics.errors import InputError
 from kinesics.progress import Progress, silent
 from kinesics.similarity import Weights
+from kinesics.synthesis import faults
 from kinesics.synthesis import transitions as _transitions
 from kinesics.synthesis.measures import from_heading
 from kinesics.synthesis.meeting import Meeting, meetings
@@ -209,7 +210,10 @@ def network(
     besides = np.asarray(seams, dtype=np.intp).reshape(-1)
     if len(besides) and not (besides.min() >= 0 and besides.max() < repertoire.frame_count):
         raise InputError(f"Expected `seams` below {repertoire.frame_count}, got {besides.min()} to {besides.max()}.")
+    besides = np.concatenate([besides, faults.edges(repertoire.faults, repertoire.starts)])
     cut = draft(repertoire, found.source, found.target, besides)
+    faulty = faults.left_out(repertoire, cut)
+    cut = _sound(repertoire, cut, faulty)
     pruned: tuple[Pruned, ...] | None = None
     while True:
         kept = largest_part(cut)
@@ -227,15 +231,20 @@ def network(
                 f"than {found.threshold:.3g} (mean D)."
             )
         # why anything is left out is seen while all transitions are there
-        pruned = pruned_of(repertoire, cut, kept) if pruned is None else pruned
+        pruned = pruned_of(repertoire, cut, kept, faulty) if pruned is None else pruned
         # cuts of which no transition is left only divide what always follows
         inside = kept[cut.path] & kept[cut.indices] & (cut.transition >= 0)
         used = np.unique(cut.transition[inside])
         if len(used) == len(found):
             break
         found = _some(found, used)
-        cut = draft(repertoire, found.source, found.target, besides)
+        cut = _sound(repertoire, draft(repertoire, found.source, found.target, besides), faulty)
     return _finished(repertoire, found, cut, kept, pruned)
+
+
+def _sound(repertoire: Repertoire, cut: Draft, faulty: Mask) -> Draft:
+    """Without what follows faults that are left out, and what they follow."""
+    return faults.without(cut, faults.touching(repertoire, cut.first, cut.last, faulty)) if faulty.any() else cut
 
 
 def _some(found: Transitions, which: Indices) -> Transitions:

@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.errors import InputError
+from kinesics.synthesis import faults
 from kinesics.synthesis.togo import ToGo, to_go
 
 if TYPE_CHECKING:
@@ -61,6 +62,9 @@ SOON: Final = 4.0
 """What a frame plays counts e times less for every such part of the lookahead that it comes later."""
 HASTY: Final = 1e4
 """Cost of a jump that comes too soon after another: more than any other."""
+LEAPING: Final = 1e2
+"""Cost of a path in which the recording leaps (`kinesics.synthesis.faults`): more than any jumps, so that of ways to one place a
+sound one is kept."""
 NEVER: Final = 1e6
 """Seconds to a jump that does not come."""
 
@@ -281,6 +285,8 @@ class _Chains(NamedTuple):
     since_jump: Array
     haste: NDArray[np.int32]
     """How many jumps come too soon after another."""
+    faults: NDArray[np.int32]
+    """In how many paths the recording leaps."""
 
     def taken(self, rows: Indices) -> _Chains:
         return _Chains._make(column[rows] for column in self)
@@ -308,6 +314,7 @@ def _single(network: Network) -> _Chains:
         first_jump=np.where(jumps, 0.0, NEVER),
         since_jump=np.where(jumps, duration, NEVER),
         haste=np.zeros(len(path), dtype=np.int32),
+        faults=faults.of_paths(network)[path].astype(np.int32),
     )
 
 
@@ -362,6 +369,7 @@ def _joined(chains: _Chains, head: Indices, tail: Indices, hold: float) -> _Chai
         first_jump=np.where(never_h, np.minimum(h.duration + t.first_jump, NEVER), h.first_jump),
         since_jump=np.where(never_t, np.minimum(h.since_jump + t.duration, NEVER), t.since_jump),
         haste=(h.haste + t.haste + (~never_h & ~never_t & (h.since_jump + t.first_jump < hold))).astype(np.int32),
+        faults=h.faults + t.faults,
     )
 
 
@@ -373,8 +381,8 @@ def _thinned(chains: _Chains, owner_of: Indices, room: Indices, rng: np.random.G
     cell = ((x + 1000) * 2000 + z + 1000) * 1024
     cell = cell + (np.floor(chains.heading / SECTOR) % 16) * 64 + np.minimum(chains.duration // BEAT, 63)
     cell += (owner * 2000.0 * 2000.0) * 1024.0
-    # fewest hasty jumps, then least cost, then chance, as one number
-    dear = chains.cost + HASTY * chains.haste + 1e-6 * chance
+    # fewest hasty jumps, then fewest faults, then least cost, then chance, as one number
+    dear = chains.cost + HASTY * chains.haste + LEAPING * chains.faults + 1e-6 * chance
     order = np.lexsort((dear, cell))
     fresh = np.ones(len(order), dtype=np.bool_)
     fresh[1:] = np.diff(cell[order]) != 0

@@ -23,7 +23,9 @@ _WHY: Final = (
     "no transition leads back from there",
     "no transition leads there",
     "no transition leads there and back again",
+    "a fault of the recording, in which the body leaps",
 )
+_FAULT: Final = 4
 
 
 class Stretch(NamedTuple):
@@ -60,13 +62,14 @@ class Pruned(NamedTuple):
         return f"{self.recording}, {self.strand}: {self.seconds:.2f} s, {self.why}"
 
 
-def pruned_of(repertoire: Repertoire, cut: Draft, kept: Mask) -> tuple[Pruned, ...]:
+def pruned_of(repertoire: Repertoire, cut: Draft, kept: Mask, faulty: Mask) -> tuple[Pruned, ...]:
     """What is not played of the recordings.
 
     Parameters
     ----------
     cut : all paths, and all that may follow them.
     kept : the paths that are played, shape (paths,).
+    faulty : frames that are left out for what is wrong in them, shape (frames,).
     """
     fps = repertoire.fps
     lot = np.zeros((4, repertoire.frame_count), dtype=np.intp)
@@ -76,6 +79,7 @@ def pruned_of(repertoire: Repertoire, cut: Draft, kept: Mask) -> tuple[Pruned, .
         repertoire.strand_of(cut.first).tolist(), low.tolist(), cut.length.tolist(), why.tolist(), strict=True
     ):
         lot[s, start : start + count] = what
+    lot[(lot > 0) & faulty] = _FAULT
     out: list[Pruned] = []
     for name, (start, end) in zip(repertoire.names, itertools.pairwise(repertoire.starts.tolist()), strict=True):
         # strands that lose the same are told together

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from kinesics.errors import InputError
 from kinesics.progress import Progress, silent
 from kinesics.similarity import check_weights
+from kinesics.synthesis import faults
 from kinesics.synthesis.limits import find_limits
 from kinesics.synthesis.network import Network, network
 from kinesics.synthesis.parts import draft, largest_part
@@ -94,7 +95,10 @@ def farther(short: Network, progress: Progress = silent) -> Reach | None:
 def _seconds(seams: Seams, pairs: Pairs) -> float:
     """Of the largest part that holds together."""
     leads = ways(seams.repertoire, pairs)
-    paths = draft(seams.repertoire, leads.source, leads.target)
+    edges = faults.edges(seams.repertoire.faults, seams.repertoire.starts)
+    paths = draft(seams.repertoire, leads.source, leads.target, edges)
+    leaping = faults.touching(seams.repertoire, paths.first, paths.last, faults.left_out(seams.repertoire, paths))
+    paths = faults.without(paths, leaping)
     return float(paths.length[largest_part(paths)].sum() / seams.fps)
 
 

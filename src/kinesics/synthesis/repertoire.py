@@ -8,6 +8,7 @@ before.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -17,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinesics.body import anatomy as _anatomy
+from kinesics.body import leaps
 from kinesics.body.contacts import floor_height, foot_contacts, grounded
 from kinesics.body.legs_apart import legs_apart
 from kinesics.body.limits import DEPTH_TOLERANCE, Capsules
@@ -50,6 +52,9 @@ LEAST_SECONDS: Final = 0.5
 
 DEEPER: Final = 0.02
 """Metres by which limbs pass deeper into each other on another body than on their own, before it is said."""
+THROWN: Final = 0.1
+"""Metres that something is thrown by from one frame to the next, from which a leap is a fault that is not performed where there is
+a choice: a hand's length; toes and fingers that flicker are no reason to leave a step out."""
 LOOKS: Final = 12.0
 """Moments a second at which that is looked for."""
 LIFTED: Final = 0.05
@@ -97,6 +102,8 @@ class Repertoire:
     """Whether mirrored strands may be used."""
     backwards: bool
     """Whether backward strands may be used."""
+    faults: NDArray[np.bool_]
+    """Whether the body leaps in a frame as no movement does, seen in the recording as it came: shape (frames,)."""
     warnings: tuple[str, ...] = ()
     """What went wrong when they were brought onto the skeleton."""
 
@@ -282,6 +289,7 @@ def repertoire(
     roots: list[tuple[Array, Array]] = []
     contacts: list[NDArray[np.bool_]] = []
     sources: list[Array] = []
+    faults: list[NDArray[np.bool_]] = []
     doubts: list[str] = []
     for name, motion in zip(names, understood, strict=True):
         if motion.fps != rate:
@@ -302,6 +310,7 @@ def repertoire(
         place[:, 1] = image.root_positions[:, 1]
         roots.append((out.root_positions, place))
         contacts.append(feet)
+        faults.append(_faults(motion, out.frame_count, rate))
         sources.append(np.minimum(np.arange(out.frame_count) * (motion.fps / rate), float(motion.frame_count - 1)))
     together = np.stack([np.concatenate([pair[k] for pair in rotations]) for k in range(2)])
     places = np.stack([np.concatenate([pair[k] for pair in roots]) for k in range(2)])
@@ -313,6 +322,7 @@ def repertoire(
         places,
         np.stack([stands, stands[:, ::-1]]),
         np.concatenate(sources),
+        np.concatenate(faults),
     ]
     for array in arrays:
         array.setflags(write=False)
@@ -330,8 +340,18 @@ def repertoire(
         assumptions=tuple(said),
         mirrored=mirrored,
         backwards=backwards,
+        faults=arrays[5],
         warnings=tuple(doubts),
     )
+
+
+def _faults(motion: Motion, frames: int, rate: float) -> NDArray[np.bool_]:
+    """Frames at another rate in which a recording leaps, where it does so farther than `THROWN`."""
+    out = np.zeros(frames, dtype=np.bool_)
+    times = rate / motion.fps
+    for first, last in leaps.thrown(motion, THROWN):
+        out[math.floor(first * times) : math.ceil(last * times) + 1] = True
+    return out
 
 
 def _through_each_other(name: str, motion: Motion, out: Motion) -> list[str]:

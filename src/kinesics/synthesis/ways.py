@@ -82,28 +82,6 @@ def shortest(
     return way
 
 
-def leaping(network: Network) -> Mask:
-    """Paths in which a joint, or the whole body, leaps from one frame to the next as no movement does: a fault of the recording
-    (`kinesics.body.leaps`). Shape (paths,).
-    """
-    from kinesics.body import leaps
-
-    stock = network.repertoire
-    faults = np.zeros(stock.frame_count + 1, dtype=np.intp)
-    for recording in np.unique(network.recording).tolist():
-        motion = stock.motion(recording)
-        if motion.frame_count < 3:
-            continue
-        steps = leaps.measure(motion, leaps.continuous(motion.rotations))
-        for found in leaps.glitches(motion, steps, ()):
-            # from the frame before to the frame behind
-            start = int(stock.starts[recording])
-            faults[start + max(found.start - 1, 0) : start + min(found.end + 1, motion.frame_count)] = 1
-    before = np.concatenate([[0], np.cumsum(faults)])
-    ends = np.sort(stock.frame_of(np.stack([network.first, network.last])), axis=0)
-    return np.asarray(before[ends[1] + 1] > before[ends[0]], dtype=np.bool_)
-
-
 def leading_to(network: Network, path: int, seconds: float, most: float) -> list[int]:
     """Paths that come before one, the earliest first: see `following`."""
     owners = np.repeat(np.arange(len(network.first)), np.diff(network.indptr))

@@ -10,12 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.errors import InputError
-from kinesics.synthesis import ways
+from kinesics.synthesis import faults, ways
 from kinesics.synthesis.goals.arguments import check_least, check_name, check_positive, check_weight
 from kinesics.synthesis.goals.naming import states_of
 from kinesics.synthesis.goals.pursuit import Pursuit, Situation
 from kinesics.synthesis.prospects import Prospects
-from kinesics.synthesis.repertoire import Repertoire
 
 if TYPE_CHECKING:
     from kinesics.synthesis.network import Network
@@ -73,7 +72,7 @@ class _ByGraph(Pursuit):
         begin, end = states_of(network, goal.begin, "from"), states_of(network, goal.end, "to")
         self._network, self._goal = network, goal
         self._begin = begin
-        faulty = ways.leaping(network) if isinstance(network.repertoire, Repertoire) else np.zeros(len(begin), np.bool_)
+        faulty = faults.of_paths(network)
         self._way = ways.shortest(network, begin, end, by=goal.by, avoiding=faulty)
         if self._way is None:
             raise InputError(f"No way leads from state {goal.begin} to state {goal.end}.")
