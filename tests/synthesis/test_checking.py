@@ -14,8 +14,8 @@ from kinesics.body import kinematics
 from kinesics.body.contacts import runs
 from kinesics.geometry import quaternion
 from kinesics.synthesis import blending, checking, quality
+from kinesics.synthesis.arms import put_arms_clear
 from kinesics.synthesis.network import Network, network
-from kinesics.synthesis.planting import put_arms_clear
 from kinesics.synthesis.rendering import Performance, render
 from kinesics.synthesis.repertoire import repertoire
 from kinesics.synthesis.stage import FLESH, Stage

@@ -16,14 +16,14 @@ from numpy.typing import NDArray
 
 from kinesics.body import contacts, kinematics
 from kinesics.body.kinematics import Kinematics
-from kinesics.body.limits import segment_distance
+from kinesics.body.limits import Ends
 from kinesics.geometry import quaternion
 from kinesics.synthesis import blending, footing, inverse_kinematics
+from kinesics.synthesis.arms import SKIN, STEP, way_apart
 from kinesics.synthesis.footing import Bounds, Stiffness
 from kinesics.synthesis.pelvis import turned_for_the_hips
-from kinesics.synthesis.ranges import YIELD, both_ways, envelope, put_joint, put_within_range, smooth
+from kinesics.synthesis.ranges import YIELD, both_ways, envelope, put_within_range, smooth
 from kinesics.synthesis.stage import (
-    FLESH,
     LIFT,
     RELEASE,
     SINK,
@@ -44,11 +44,6 @@ GRIP: Final = 0.03
 """Seconds in which a foot that comes down is held more and more firmly; in reverse as it is lifted."""
 ROUNDS: Final = 6
 """Most times that feet are planted, joints put back that were bent too far, and planted again as far as these go."""
-_ARMS: Final = ("left humerus", "left radius", "right humerus", "right radius")
-ASIDE: Final = 5
-"""Most times that an arm is moved aside."""
-_SKIN: Final = FLESH / 3.0
-"""Metres deeper than in the recordings from which on limbs are moved apart."""
 _LEGS: Final = {"left", "right", "femur", "tibia"}
 STAND: Final = 0.25
 """Seconds: who stands on both feet for four times as long is where the feet are, wherever the paths were laid."""
@@ -63,8 +58,6 @@ LET_PASS: Final = 0.008
 """Metres that a foot may slide in one contact before it is held for longer."""
 _SHORT: Final = 0.0003
 """Metres by which a foot is off where it was planted before the body goes along."""
-_STEP: Final = 0.001
-"""Metres that limbs are moved to see what comes of it."""
 _OVER: Final = 0.001
 """Radians beyond the range of hip or knee from which on the body goes along."""
 _DAMPED: Final = 0.05
@@ -208,9 +201,9 @@ def _inward(stage: Stage, done: Footed) -> Array:
     ankles = known.positions[:, list(legs.feet)]
     change = np.empty((len(some), 2, 6, 3))
     for axis in range(3):
-        targets = ankles + _STEP * np.eye(3)[axis]
+        targets = ankles + STEP * np.eye(3)[axis]
         moved = inverse_kinematics.reach(skeleton, rotations, roots, targets, limbs=legs, known=known).rotations
-        change[..., axis] = (blending.rotation_offset(middle, moved[:, joints]) - now[some]).reshape(-1, 2, 6) / _STEP
+        change[..., axis] = (blending.rotation_offset(middle, moved[:, joints]) - now[some]).reshape(-1, 2, 6) / STEP
     beyond = over[some].reshape(-1, 2, 6)
     change *= (np.abs(beyond) > _OVER)[..., None]
     square = change @ np.swapaxes(change, -1, -2) + _DAMPED * np.eye(6)
@@ -274,7 +267,7 @@ def _apart(stage: Stage, known: Kinematics) -> Array:
     ]
     capsules = dataclasses.replace(stage.capsules, pairs=tuple(stage.capsules.pairs[n] for n in legs))
     deepest = stage.deepest[legs]
-    over = capsules.depths(*known) - deepest - _SKIN
+    over = capsules.depths(*known) - deepest - SKIN
     out = np.zeros((len(over), 2, 3))
     if not (over > 0.0).any():
         return out
@@ -283,13 +276,7 @@ def _apart(stage: Stage, known: Kinematics) -> Array:
         deep = np.flatnonzero(over[:, n] > 0.0)
         sides = (0, 1) if capsules.names[a].startswith("left") else (1, 0)
         # the way apart is that in which the distance grows
-        ways = np.zeros((len(deep), 3))
-        for axis in (0, 2):
-            for sign in (1.0, -1.0):
-                shift = sign * _STEP * np.eye(3)[axis]
-                ways[:, axis] += sign * segment_distance(
-                    starts[deep, a] + shift, ends[deep, a] + shift, starts[deep, b], ends[deep, b]
-                )
+        ways = way_apart(Ends(starts[deep], ends[deep]), a, b, (0, 2))
         ways *= (over[deep, n] / np.maximum(np.linalg.norm(ways, axis=-1), 1e-9))[:, None]
         for foot, sign in zip(sides, (1.0, -1.0), strict=True):
             stronger = np.linalg.norm(ways, axis=-1) > np.linalg.norm(out[deep, foot], axis=-1)
@@ -298,57 +285,6 @@ def _apart(stage: Stage, known: Kinematics) -> Array:
     for foot in (0, 1):
         out[:, foot] = both_ways(out[:, foot], reach)
     return out
-
-
-def put_arms_clear(stage: Stage, rotations: Array, roots: Array) -> None:
-    """Move arms aside that would be deeper in another part of the body than they ever are in the recordings; in place.
-
-    Shoulders turn by the least that brings the arm out, over a stretch of time and within their range.
-    """
-    skeleton, capsules = stage.repertoire.skeleton, stage.capsules
-    assert skeleton.anatomy is not None
-    sides = ("left", "right")
-    shoulders = np.array([getattr(skeleton.anatomy.roles, f"{side}_humerus") for side in sides])
-    of_arms = [[n in _ARMS and n.startswith(side) for n in capsules.names] for side in sides]
-    arms = np.array([[of[a] or of[b] for a, b in capsules.pairs] for of in of_arms]).reshape(2, -1)
-    reach = max(1, round(YIELD * stage.repertoire.fps))
-    middle, low, high = stage.middle[shoulders], stage.low[shoulders], stage.high[shoulders]
-    some = np.arange(len(rotations))
-    for _ in range(ASIDE):
-        known = kinematics.forward(skeleton, rotations[some], roots[some])
-        over = np.where(arms.any(axis=0), capsules.depths(*known) - stage.deepest, -np.inf)
-        deep = over.max(axis=1, initial=-np.inf) > _SKIN
-        if not deep.any():
-            return
-        near, worst = some[deep], over[deep].argmax(axis=1)
-        over = over[deep, worst]
-        at = blending.rotation_offset(middle, rotations[np.ix_(near, shoulders)])
-        change = np.zeros((len(near), 2, 3))
-        for side in (0, 1):
-            for axis in range(3):
-                moved = rotations[near]
-                bent = at[:, side] + _STEP * np.eye(3)[axis]
-                moved[:, shoulders[side]] = blending.add_rotation(middle[side], bent)
-                found = capsules.depths(*kinematics.forward(skeleton, moved, roots[near]))[np.arange(len(near)), worst]
-                change[:, side, axis] = np.where(np.isfinite(found), found - over - stage.deepest[worst], 0.0) / _STEP
-        # no component that is at the end of its range helps
-        room = np.where(change > 0.0, at - low, high - at)
-        change *= (room > _STEP) & arms[:, worst].T[..., None]
-        square = np.square(change).sum(axis=(1, 2), keepdims=True)
-        back = np.zeros((len(rotations), 2, 3))
-        back[near] = -change * over[:, None, None] / np.maximum(square, 1e-2)
-        for side in (0, 1):
-            turn = both_ways(back[:, side], reach)
-            goes = np.flatnonzero(turn.any(axis=1))
-            now = blending.rotation_offset(middle[side], rotations[goes, shoulders[side]]) + turn[goes]
-            put_joint(
-                rotations,
-                goes,
-                shoulders[side],
-                blending.add_rotation(middle[side], np.clip(now, low[side], high[side])),
-            )
-        some = np.flatnonzero(back.any(axis=(1, 2)))
-        some = np.unique(np.clip(some[:, None] + np.arange(-2 * reach, 2 * reach + 1), 0, len(rotations) - 1))
 
 
 def above_the_floor(stage: Stage, roots: Array, known: Kinematics) -> Array:

@@ -36,9 +36,10 @@ from kinesics.errors import InputError
 from kinesics.geometry import quaternion
 from kinesics.similarity import paired_distance
 from kinesics.synthesis import blending
+from kinesics.synthesis.arms import put_arms_clear
 from kinesics.synthesis.meeting import meetings
 from kinesics.synthesis.network import Network
-from kinesics.synthesis.planting import Footed, above_the_floor, pin, put_arms_clear
+from kinesics.synthesis.planting import Footed, above_the_floor, pin
 from kinesics.synthesis.ranges import YIELD, envelope, put_joint, put_within_range
 from kinesics.synthesis.rehearsal import played
 from kinesics.synthesis.repertoire import Repertoire
