@@ -14,6 +14,7 @@ from kinesics.synthesis.stage import (
     RELEASE,
     SINK,
     SOFTLY,
+    SPARED,
     SUNK,
     bearing,
     held_around,
@@ -57,7 +58,7 @@ class Treading:
         self.slips = 0
         dt = 1.0 / stage.repertoire.fps
         self.turned = {j: Follower(max(stage.accelerations[j], LEAST_TURNING), dt) for j in self.joints}
-        self.body, self.raised = Follower(2.0 * stage.usual.body, dt), Follower(2.0 * stage.usual.body, dt)
+        self.body, self.raised = Follower(SPARED * stage.usual.body, dt), Follower(SPARED * stage.usual.body, dt)
 
     def around(self, frame: int, image: int, seconds: float) -> np.ndarray:
         """How firmly each foot is held in a frame."""

@@ -220,28 +220,27 @@ def sent_about(made: Network, seed: int, seconds: float) -> kx.Motion:
 
 
 def snaps(made: Network, seed: int, seconds: float) -> tuple[float, float]:
-    """Greatest accelerations live as shares of the recordings' own: of pelvis, hips and knees; and, beside the recordings put on
-    the ground, too, of those and the ankles.
+    """Greatest accelerations live as shares of those of the recordings, as they are and put on the ground: of pelvis, hips and
+    knees; and of those and the ankles.
     """
     own, stage = made.repertoire, Stage.of(made.repertoire)
     joints = [0, *stage.legs.femurs, *stage.legs.tibias, *stage.legs.feet]
     live = pushes(sent_about(made, seed, seconds), joints)
     recorded = np.concatenate([pushes(own.motion(k), joints) for k in range(own.recording_count)])
     on_the_floor = played(stage)
-    planted = max(
-        pushes(
-            kx.Motion(own.skeleton, on_the_floor.rotations[k], on_the_floor.root_positions[k], own.fps), joints
-        ).max()
+    planted = [
+        pushes(kx.Motion(own.skeleton, on_the_floor.rotations[k], on_the_floor.root_positions[k], own.fps), joints)
         for k in (0, 1)
-    )
-    return float(live[:, :5].max() / recorded[:, :5].max()), float(live.max() / max(recorded.max(), planted))
+    ]
+    usual = np.concatenate([recorded, *planted])
+    return float(live[:, :5].max() / usual[:, :5].max()), float(live.max() / usual.max())
 
 
 def test_knees_do_not_snap() -> None:
-    """Sent about at 60 frames a second, knees are accelerated by little more than half as much again as in the walk."""
+    """Sent about at 60 frames a second, knees are accelerated by a third more than in the walk played."""
     walk = kx.performer.walk(seconds=8, fps=60, noise_degrees=0.5, noise_kind="smooth", route="circle", seed=5).motion
     knees, _ = snaps(network(repertoire([walk])), 1, 15.0)
-    assert knees < 1.6
+    assert knees < 1.35
 
 
 @pytest.mark.parametrize("names", [["35_01"], ["91_34", "35_01"]])
@@ -249,7 +248,7 @@ def test_knees_of_real_walkers_do_not_snap(shared_data: Path, names: list[str]) 
     """Nor are knees and ankles of walkers whose legs come near to being straight, also from one's walk into the other's."""
     walks = [kx.read(shared_data / "cmu" / name[:2] / f"{name}.amc").resample(60.0) for name in names]
     knees, ankles = snaps(network(repertoire(walks)), 0, 15.0)
-    assert knees < 1.3
+    assert knees < 1.1
     assert ankles < 1.2
 
 
@@ -344,3 +343,4 @@ def test_feet_stay_live(shared_data: Path, clips: list[str]) -> None:
     assert found.contact_share.performance == pytest.approx(found.contact_share.recordings, rel=0.1)
     assert found.penetration.performance < 0.01
     assert found.joint_excess < 1e-6
+    assert found.acceleration_added < 0.9

@@ -4,7 +4,8 @@ What is played has its feet on the ground (`kinesics.synthesis.rehearsal`); tran
 stays where it came down, and the body goes along with it; one that swings comes back to its place in what is played, and the
 body with it, step by step. At a cut the body stays over the feet that bear, wherever those of the recording entered stand.
 Nothing snaps: what is added to the body's place and to the rotations of the legs goes after what is asked no more quickly than
-the recordings accelerate the same (`_Gently`). No joint leaves its range; what a leg then lacks, its foot slides.
+the recordings accelerate the same (`_Gently`), the body half as quickly: it moves as played besides. No joint leaves its range;
+what a leg then lacks, its foot slides.
 `kinesics.synthesis.planting` does it for a whole performance at once. Here it is done in plain numbers, and for the joints
 between root and soles alone: see `kinesics.geometry.single`.
 """
@@ -31,6 +32,7 @@ from kinesics.synthesis.stage import (
     RELEASE,
     SINK,
     SOFTLY,
+    SPARED,
     SUNK,
     Stage,
     held_around,
@@ -64,9 +66,6 @@ _ROUNDING: Final = 1e-9
 """Radians."""
 _BRAKE: Final = 0.5
 """Share of the acceleration that there may be which is counted on for stopping: what is gone after may turn round."""
-_BODY: Final = 2.0
-"""By which the body may be accelerated more than in 99 of 100 frames of the recordings."""
-
 _LEAST_STOPPED: Final = 10.0
 """m/s² that a foot is stopped by as it comes down, and started by as it is lifted, also where those recorded hardly move; else as
 quickly as those are."""
@@ -101,7 +100,7 @@ class Treading:
             for k in (0, 1)
         ]
         self._lean_x = self._lean_z = self._drop = 0.0
-        self._body, self._raised = (_Gently(_BODY * stage.usual.body, 1.0 / fps) for _ in (0, 1))
+        self._body, self._raised = (_Gently(SPARED * stage.usual.body, 1.0 / fps) for _ in (0, 1))
         self._follows = _eased(1.0 / fps, _FOLLOWED)
         self._leans = _eased(1.0 / fps, LIVE_LEAN)
         self._sinks, self._sinks_quickly = _eased(1.0 / fps, SINK), _eased(1.0 / fps, 0.25 * SINK)
