@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.body import kinematics
+from kinesics.body.kinematics import Kinematics
 from kinesics.geometry import quaternion
 from kinesics.synthesis import blending, inverse_kinematics
 from kinesics.synthesis.ranges import both_ways, put_within_range
@@ -67,13 +68,12 @@ def turned_for_the_hips(
     wanted = np.zeros((frames, 3)) if before is None else before.wanted.copy()
     if np.maximum(at - high, low - at).max() <= _OVER:
         return Turned(rotations, np.zeros((frames, 3)))
-    feet = kinematics.forward(stage.repertoire.skeleton, rotations, roots, joints=stage.lower).positions[
-        :, list(legs.feet)
-    ]
+    known = kinematics.forward(stage.repertoire.skeleton, rotations, roots, joints=stage.lower)
+    feet = Kinematics(*(values[:, list(legs.feet)] for values in known))
     reach = max(1, round(GENTLY * stage.repertoire.fps))
 
     def performed(some: Indices, turn: Array) -> Array:
-        return _turned(stage, rotations[some], roots[some], feet[some], turn)
+        return _turned(stage, rotations[some], roots[some], Kinematics(*(values[some] for values in feet)), turn)
 
     turn = np.zeros((frames, 3))
     out = rotations
@@ -100,8 +100,8 @@ def turned_for_the_hips(
     return Turned(out, wanted)
 
 
-def _turned(stage: Stage, rotations: Array, roots: Array, feet: Array, turn: Array) -> Array:
-    """The pelvis turned by rotation vectors in its own frame, shape (frames, 3), trunk and ankles left where they are."""
+def _turned(stage: Stage, rotations: Array, roots: Array, feet: Kinematics, turn: Array) -> Array:
+    """The pelvis turned by rotation vectors in its own frame, shape (frames, 3), trunk and feet left where and as they are."""
     skeleton, carrier = stage.repertoire.skeleton, stage.carrier
     out = rotations.copy()
     by = quaternion.from_rotvec(turn)
@@ -109,7 +109,8 @@ def _turned(stage: Stage, rotations: Array, roots: Array, feet: Array, turn: Arr
     for joint in stage.trunk:
         out[:, joint] = quaternion.multiply(quaternion.conjugate(by), rotations[:, joint])
     known = kinematics.forward(skeleton, out, roots, joints=stage.lower)
-    return inverse_kinematics.reach(skeleton, out, roots, feet, limbs=stage.legs, known=known).rotations
+    known.rotations[:, list(stage.legs.feet)] = feet.rotations
+    return inverse_kinematics.reach(skeleton, out, roots, feet.positions, limbs=stage.legs, known=known).rotations
 
 
 def _least_turns(change: Array, over: Array) -> Array:
