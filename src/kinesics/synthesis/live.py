@@ -47,6 +47,7 @@ _SHORTLY: Final = 3
 """Frames: while fewer are known it is hurried."""
 LONGEST_AHEAD: Final = 10.0
 """Seconds."""
+_DONE: Final = object()
 _INSTANT: Final = 1e-3
 """Seconds over which it is told how quickly an offset changes that is known at all times."""
 
@@ -213,8 +214,7 @@ class LiveRenderer:
         self._known: deque[Stretch] = deque()
         self._at = 0
         self._last = -1
-        self._chosen: tuple[int, float] | None = None
-        self._crossing: _Crossing | None = None
+        self._under_way: Iterator[None] | None = None
         self._ended = False
         self._ahead = round(ahead * network.repertoire.fps)
         self._frame = self._reaches = 0
@@ -285,12 +285,9 @@ class LiveRenderer:
             self._prepare()
 
     def _prepare(self) -> None:
-        if self._chosen is not None:
-            if self._crossing is None:
-                self._crossing = self._crossed(self._chosen[0])
-            else:
-                self._lay(*self._chosen)
-                self._chosen = self._crossing = None
+        if self._under_way is not None:
+            if next(self._under_way, _DONE) is _DONE:
+                self._under_way = None
         elif not self._ended and self._reaches - self._frame <= self._ahead:
             if self._guide is not None and self._tell:
                 x, z = self.place.tolist()
@@ -307,7 +304,7 @@ class LiveRenderer:
                 if self._goes_on(path):
                     self._lay(path, bend)
                 else:
-                    self._chosen = path, bend
+                    self._under_way = self._over(path, bend)
 
     def _added(self) -> list[Array]:
         """What each transition adds to joints and root, the earliest first, shape (joints + 1, 3) each."""
@@ -349,8 +346,6 @@ class LiveRenderer:
         first, length = int(network.first[path]), int(network.length[path])
         if self._last < 0:
             self._turn = self.heading - float(repertoire.yaw_of(first))
-        elif self._crossing is not None:
-            self._cut(self._crossing)
         strand, frame = divmod(first, repertoire.frame_count)
         image, onward = strand % 2, -1 if BACKWARD_STRANDS[strand] else 1
         bent = bend / length
@@ -369,6 +364,14 @@ class LiveRenderer:
     def _goes_on(self, path: int) -> bool:
         """Whether a path is performed without leaving the recording that is played."""
         return self._last < 0 or int(self.network.first[path]) == int(self.network.onward[self._last])
+
+    def _over(self, path: int, bend: float) -> Iterator[None]:
+        """Get ready for a path of another recording; in parts."""
+        crossing = self._crossed(path)
+        yield
+        self._cut(crossing)
+        yield
+        self._lay(path, bend)
 
     def _crossed(self, path: int) -> _Crossing:
         """How a path of another recording is gone over into."""
