@@ -63,7 +63,7 @@ def _unused(piece: Piece) -> str:
         return ""
     return (
         f"nothing is performed of {some_of(none_of, 8)}: no transition leads there and back again; longer "
-        "recordings, or others nearer in pose, speed and footing, would join it; or perform from it alone"
+        "recordings, or others nearer in pose, speed and footing, would join it; or perform from it alone, or favour it (--favour)"
     )
 
 

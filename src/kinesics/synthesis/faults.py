@@ -46,24 +46,25 @@ def of_paths(network: Network) -> Mask:
     )
 
 
-def left_out(repertoire: Repertoire, cut: Draft) -> Mask:
+def left_out(repertoire: Repertoire, cut: Draft, holding: Mask | None = None) -> Mask:
     """Frames of the faults that are left out, shape (frames,).
 
     Parameters
     ----------
     cut : all paths, cut at the `edges` of faults, too, and all that may follow them.
+    holding : paths that the part performed is to hold, shape (paths,): see `largest_part`.
     """
     faults = repertoire.faults
     out = np.zeros_like(faults)
     if not faults.any():
         return out
     faulty = touching(repertoire, cut.first, cut.last, faults)
-    whole = largest_part(cut)
+    whole = largest_part(cut, holding=holding)
     enough = SOUND * int(cut.length[whole & ~faulty].sum())
 
     def holds(leaving: Mask) -> bool:
         rest = without(cut, touching(repertoire, cut.first, cut.last, leaving))
-        return int(rest.length[largest_part(rest) & ~faulty].sum()) >= enough
+        return int(rest.length[largest_part(rest, holding=holding) & ~faulty].sum()) >= enough
 
     if holds(faults):
         return np.array(faults)

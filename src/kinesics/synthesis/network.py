@@ -173,6 +173,7 @@ def network(
     spacing: float = SPACING,
     weights: Weights | None = None,
     seams: Indices | Sequence[int] = (),
+    holding: Mask | None = None,
     progress: Progress = silent,
 ) -> Network:
     """Cut the recordings at their transitions and keep what can be performed without end.
@@ -183,6 +184,7 @@ def network(
         not given.
     threshold, density, spacing, weights, progress : see there.
     seams : frames, over all recordings end to end, before which the recordings are cut besides: so that paths begin and end there.
+    holding : frames of which the part that is kept is to hold as many as any, shape (frames,); the largest unless given.
 
     Returns
     -------
@@ -212,11 +214,11 @@ def network(
         raise InputError(f"Expected `seams` below {repertoire.frame_count}, got {besides.min()} to {besides.max()}.")
     besides = np.concatenate([besides, faults.edges(repertoire.faults, repertoire.starts)])
     cut = draft(repertoire, found.source, found.target, besides)
-    faulty = faults.left_out(repertoire, cut)
+    faulty = faults.left_out(repertoire, cut, _holding(repertoire, cut, holding))
     cut = _sound(repertoire, cut, faulty)
     pruned: tuple[Pruned, ...] | None = None
     while True:
-        kept = largest_part(cut)
+        kept = largest_part(cut, holding=_holding(repertoire, cut, holding))
         if int(cut.length[kept].sum()) < LEAST_SECONDS * repertoire.fps:
             back = (
                 f"only {cut.length[kept].sum() / repertoire.fps:.2g} s hold together"
@@ -245,6 +247,10 @@ def network(
 def _sound(repertoire: Repertoire, cut: Draft, faulty: Mask) -> Draft:
     """Without what follows faults that are left out, and what they follow."""
     return faults.without(cut, faults.touching(repertoire, cut.first, cut.last, faulty)) if faulty.any() else cut
+
+
+def _holding(repertoire: Repertoire, cut: Draft, holding: Mask | None) -> Mask | None:
+    return None if holding is None else faults.touching(repertoire, cut.first, cut.last, holding)
 
 
 def _some(found: Transitions, which: Indices) -> Transitions:

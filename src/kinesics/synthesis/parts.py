@@ -73,8 +73,24 @@ def places(first: Indices, moments: Indices) -> Indices:
     return np.where(first[at] == moments, at, -1)
 
 
-def largest_part(draft: Draft, among: Mask | None = None) -> Mask:
+def largest_part(draft: Draft, among: Mask | None = None, holding: Mask | None = None) -> Mask:
     """The strongly connected part that plays longest and has a way round; none if no part has one.
+
+    Parameters
+    ----------
+    among : which successions there are, shape (successions,); all unless given.
+    holding : paths of which the part is to play as much as any, shape (paths,); longest only where that is the same.
+    """
+    parts = round_about(draft, among)
+    if not parts:
+        return np.zeros(len(draft.first), dtype=np.bool_)
+    # the first of equals: of two mirror images the one as recorded, for it holds the earlier moments
+    wanted = np.zeros_like(draft.length) if holding is None else draft.length * holding
+    return max(parts, key=lambda part: (int(wanted[part].sum()), int(draft.length[part].sum())))
+
+
+def round_about(draft: Draft, among: Mask | None = None) -> list[Mask]:
+    """All strongly connected parts that have a way round, in the order of their first moments: shape (paths,) each.
 
     Parameters
     ----------
@@ -88,10 +104,6 @@ def largest_part(draft: Draft, among: Mask | None = None) -> Mask:
     matrix = csr_array((np.ones(len(path), dtype=np.int8), (path, indices)), shape=(count, count))
     parts, part = connected_components(matrix, directed=True, connection="strong")
     inside = part[path] == part[indices]
-    round_about = np.bincount(part[path[inside]], minlength=parts) > 0
-    frames = np.where(round_about, np.bincount(part, weights=draft.length, minlength=parts), 0.0)
-    if not round_about.any():
-        return np.zeros(count, dtype=np.bool_)
-    # of two mirror images the one as recorded: it holds the earlier moments
-    longest = np.flatnonzero(frames >= frames.max() - 0.5)
-    return np.asarray(part == part[np.flatnonzero(np.isin(part, longest))[0]])
+    turning = np.bincount(part[path[inside]], minlength=parts) > 0
+    numbers, first = np.unique(part[turning[part]], return_index=True)
+    return [np.asarray(part == number) for number in numbers[np.argsort(first)].tolist()]

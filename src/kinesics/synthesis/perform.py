@@ -20,7 +20,7 @@ from kinesics.body.motion import Motion
 from kinesics.body.skeleton import Skeleton
 from kinesics.errors import InputError, SkeletonError
 from kinesics.progress import Progress, silent
-from kinesics.synthesis import checking, goals, labels
+from kinesics.synthesis import checking, elsewhere, goals, labels
 from kinesics.synthesis import network as networks
 from kinesics.synthesis.attempts import Attempt, best_attempt, performed
 from kinesics.synthesis.controller import BEND, BETA, LONGEST
@@ -29,6 +29,7 @@ from kinesics.synthesis.network import Network
 from kinesics.synthesis.piece import Piece, SourceFacts
 from kinesics.synthesis.prospects import prospects
 from kinesics.synthesis.repertoire import LEAST_FPS, repertoire
+from kinesics.synthesis.transitions import transitions
 from kinesics.synthesis.wish import HARDLY, Grammar, Wish, check_names, favoured, names_recordings
 
 if TYPE_CHECKING:
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
     from kinesics.synthesis.goals import Feature, Goal
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 
 
 def perform(
@@ -78,7 +80,8 @@ def perform(
         what was recorded between them is travelled rather than leapt over. The first alone is only where it begins.
     favour : of what there is to be much: a class ("cyclic-antiphase"), a state ("A*") or a path ("ab_1") of the grammar, a phrase
         by the name that ``edits`` give it (of one recording also by its kind, "kind 2"), a recording by its name; or a word that
-        stands in the names of recordings, "walk". Beside a target or route it is a soft pull only: of ways about as good the one
+        stands in the names of recordings, "walk". Where it is not in the largest part of the recordings that holds together, the
+        part with most of it is performed. Beside a target or route it is a soft pull only: of ways about as good the one
         with more of it is taken.
     goal : a goal, or several, of `kinesics.synthesis.goals`, or a feature of your own, in place of target and route.
     seconds : how long. With a goal at most, for it ends when that is attained. Without: 20, or what the goal may take.
@@ -171,17 +174,18 @@ def performance(
     grammar = _grammar(given, wish, stock.names, edits, progress)
     lead = goals.LEAD if wish.to_state is not None else 0.0
     seams = () if grammar is None or wish.from_state is None else labels.state_seams(stock, grammar.graph, lead)
-    with warnings.catch_warnings():
-        # what was pruned is told in the result
-        warnings.simplefilter("ignore", UserWarning)
-        net = networks.network(
-            stock,
-            threshold=threshold,
-            seams=seams,
-            progress=lambda f, message="": progress(0.2 + 0.39 * f, message),
-        )
+    found = transitions(stock, threshold=threshold, progress=lambda f, message="": progress(0.2 + 0.39 * f, message))
+
+    def made(holding: Mask | None) -> Network:
+        with warnings.catch_warnings():
+            # what was pruned is told in the result
+            warnings.simplefilter("ignore", UserWarning)
+            net = networks.network(stock, transitions=found, seams=seams, holding=holding)
+        return net if grammar is None else labels.labelled(net, grammar.graph, grammar.phrases, at_states=True)
+
+    largest = made(None)
+    net = elsewhere.serving(largest, wish, found, made)
     if grammar is not None:
-        net = labels.labelled(net, grammar.graph, grammar.phrases, at_states=True)
         check_names(net, wish, grammar)
     start = _start(net, wish, seed)
     progress(0.6, "looking ahead")
@@ -238,7 +242,12 @@ def performance(
         wish.places,
         wish.radius or goals.RADIUS,
     )
-    told = left_out + stock.warnings + doubts(piece, wish, ahead, most, seconds, best.shorter)
+    told = (
+        left_out
+        + stock.warnings
+        + elsewhere.told(net, largest, wish)
+        + doubts(piece, wish, ahead, most, seconds, best.shorter)
+    )
     progress(1.0, "performed")
     return dataclasses.replace(piece, performance=dataclasses.replace(done, motion=motion.replace(warnings=told)))
 
