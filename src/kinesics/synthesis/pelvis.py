@@ -76,14 +76,14 @@ def turned_for_the_hips(
         return _turned(stage, rotations[some], roots[some], Kinematics(*(values[some] for values in feet)), turn)
 
     turn = np.zeros((frames, 3))
-    out = rotations
+    out = rotations.copy()
     for attempt in range(rounds):
         if attempt or wanted.any():
-            turn = both_ways(wanted, reach)
-            goes = np.flatnonzero(turn.any(axis=1))
-            out = rotations.copy()
+            # what is turned as in the round before is where it was
+            last, turn = turn, both_ways(wanted, reach)
+            goes = np.flatnonzero((turn != last).any(axis=1))
             out[goes] = performed(goes, turn[goes])
-            at = blending.rotation_offset(middle, out[:, joints])
+            at[goes] = blending.rotation_offset(middle, out[np.ix_(goes, joints)])
         over = np.maximum(at - high, low - at).reshape(frames, -1)
         some = np.flatnonzero(over.max(axis=1) > _OVER)
         if not len(some) or attempt == rounds - 1:

@@ -68,6 +68,8 @@ LONG: Final = 2.0
 """Seconds of a contact from which on a foot is held the more firmly the longer it lasts."""
 _CLOSE: Final = 0.001
 """Metres beyond `LET_PASS` for which no other round is gone."""
+_HARDLY: Final = 0.0003
+"""The same of metres that legs are to move apart."""
 _PATIENCE: Final = 2
 """Rounds that may pass without anything getting better."""
 _TURNS: Final = (6, 3)
@@ -137,11 +139,12 @@ def pin(
         put_within_range(stage, within, joints)
         put_back = _lower(stage, within, done.roots)
         push = _apart(stage, put_back)
+        pushed = float(np.linalg.norm(push, axis=-1).max())
         slides = _sliding(stage, put_back)
-        slid = sum(slide.more for slide in slides) + float(np.linalg.norm(push, axis=-1).max())
+        slid = sum(slide.more for slide in slides) + pushed
         if slid < least_slid:
             best, least_slid, found_in = (done._replace(rotations=within), put_back), slid, attempt
-        good = not push.any() and all(slide.more <= _CLOSE for slide in slides)
+        good = pushed <= _HARDLY and all(slide.more <= _CLOSE for slide in slides)
         if good or attempt == rounds - 1 or attempt - found_in == _PATIENCE:
             break
         planted = _lower(stage, done.rotations, done.roots)
