@@ -200,6 +200,34 @@ def test_the_controller_is_told_where_the_body_is(made: Network) -> None:
     assert np.abs(np.subtract(watched.told[: len(true)], true)).max() < 0.12
 
 
+@pytest.mark.parametrize("radius", [0.5, 0.12])
+def test_what_feet_take_away_is_left_over(made: Network, radius: float) -> None:
+    """Told where the body is, a controller is there only where the body will be, too: .1 m inside, or half of the radius."""
+    inside = max(radius - 0.1, 0.5 * radius)
+    for told, far, there in ((False, radius - 0.01, True), (True, radius - 0.01, False), (True, inside - 0.01, True)):
+        controller = Controller(made, Target((0.0, 40.0), radius=radius), seed=1)
+        controller.step()
+        if told:
+            controller.be_at(controller.now.place, controller.now.heading)
+        (pursuit,) = controller._pursuits
+        pursuit.passed(np.array([40.0 + 1j * far]), np.zeros(1))
+        assert controller.attained == there
+
+
+def test_a_target_is_come_to_live(made: Network) -> None:
+    """By the body itself, wherever its feet take it, before it is said that one is there and stands."""
+    own = made.repertoire
+    for seed in range(6):
+        there = np.array([3.0 * np.sin(seed), 3.0 * np.cos(seed)])
+        controller = Controller(made, Target((float(there[0]), float(there[1]))), seed=seed)
+        live, near = LiveRenderer(made, controller), np.inf
+        for _ in range(int(40 * own.fps)):
+            near = min(near, float(np.hypot(*(next(live).root[[0, 2]] - there))))
+            if near <= 0.5 or (controller.finished and live._reaches - live._frame < 2):
+                break
+        assert near <= 0.5
+
+
 def pushes(motion: kx.Motion, joints: list[int]) -> np.ndarray:
     """Accelerations of the joints' places, m/s², shape (frames − 2, joints)."""
     return np.linalg.norm(np.diff(motion.positions()[:, joints], n=2, axis=0), axis=-1) * motion.fps**2
@@ -293,9 +321,6 @@ def test_hours_take_no_more_memory_than_minutes(made: Network) -> None:
         gc.collect()
         return tracemalloc.get_traced_memory()[0]
 
-    # what is computed once for each path
-    for a, b in itertools.pairwise(controller.prospects.start[made.indptr].tolist()):
-        controller.prospects.again(slice(a, b)), controller.prospects.shares(slice(a, b))
     tracemalloc.start()
     try:
         settled = left_behind(150)

@@ -316,8 +316,13 @@ class Controller:
         """What `kinesics.synthesis.live.LiveRenderer` asks for: paths, and by how many radians each is turned besides.
 
         Each decision is made in parts, None after each but the last, so that none takes long. Whatever is wished for
-        meanwhile (`pursue`) counts: it is then thought over anew. The paths are those of `step`.
+        meanwhile (`pursue`) counts: it is then thought over anew. The paths are those of `step`. Tables that decisions ask for
+        are computed now.
         """
+        self.prospects.fill()
+        return self._chosen()
+
+    def _chosen(self) -> Iterator[tuple[int, float] | None]:
         while True:
             path, bend = yield from self._decide()
             step = self._play(path, bend)
@@ -333,6 +338,8 @@ class Controller:
         now = self.now
         now.place = place
         now.heading += math.remainder(heading - now.heading, 2.0 * math.pi)
+        for pursuit in self._pursuits:
+            pursuit.carried()
 
     def frame(self) -> Frame:
         """The next frame for a live avatar: decides whenever a path has been played to its end."""

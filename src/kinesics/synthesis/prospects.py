@@ -17,6 +17,7 @@ References
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Final, NamedTuple
@@ -201,6 +202,11 @@ class Prospects:
             seconds = np.append(self.duration, 0.0)[self.sequence[rows]]
             self._shares[asked] = shares_of(seconds, self.lookahead).astype(np.float32)
         return self._shares[asked]
+
+    def fill(self) -> None:
+        """Compute what `again` and `shares` would when first asked for, of what may follow each path."""
+        for first, past in itertools.pairwise(self.rows.tolist()):
+            self.again(slice(first, past)), self.shares(slice(first, past))
 
     def along(self, rows: slice | Indices) -> Trail:
         """The trails of some rows."""

@@ -36,6 +36,8 @@ BENDS: Final = 9
 """Ways of bending what is decided for that are compared, where the target lies beyond it."""
 LATE: Final = 0.5
 """How much a metre that could have been walked meanwhile weighs beside a metre from the target, where it is met."""
+ASIDE: Final = 0.1
+"""Metres that feet may take a body beside its way, live, by the time it is there; at most half of the radius."""
 FACING: Final = 1.5
 """How much turning towards a target weighs, beside the metres walked while turning so far."""
 _REMEMBERED: Final = 20_000
@@ -188,6 +190,7 @@ class ToPlaces(_Seeking):
     def __init__(self, prospects: Prospects, places: list[complex], radius: float, weight: float) -> None:
         super().__init__(prospects, radius, weight)
         self._places = places
+        self._within = radius
         self._next = 0
         self._nearest = np.inf
         self._story: list[str] = []
@@ -204,8 +207,12 @@ class ToPlaces(_Seeking):
 
     @property
     def radius(self) -> float:
-        """How near counts as there, metres."""
-        return self._radius
+        """How near counts as there, metres, on the way that is reckoned with."""
+        return self._within
+
+    def carried(self) -> None:
+        """See `Pursuit`: what is to be within the radius is aimed at and counted farther inside."""
+        self._within = max(self._radius - ASIDE, 0.5 * self._radius)
 
     def prepare(self, bend: float) -> None:
         """See `Pursuit`."""
@@ -242,7 +249,7 @@ class ToPlaces(_Seeking):
             off = gap + bent * trail.swerve
             square = off.real**2 + off.imag**2
             late = LATE * np.maximum(self._pace * trail.times - straight, 0.0)
-            met = np.where(square <= max(self._radius, LEAST_RADIUS) ** 2, square + late**2, np.inf)
+            met = np.where(square <= max(self._within, LEAST_RADIUS) ** 2, square + late**2, np.inf)
         seconds = self._all.to_go(self._radius, most).by(trail, complex(target), np.asarray(bends, dtype=np.float32))
         late = LATE * np.maximum(self._pace * seconds - straight, 0.0)
         return met, late**2 + (self._radius / 2.0) ** 2, bent
@@ -256,7 +263,7 @@ class ToPlaces(_Seeking):
         while self._next < len(self._places) and at < len(places):
             off = np.abs(places[at:] - self.goal)
             self._nearest = min(self._nearest, float(off.min()))
-            there = np.flatnonzero(off <= self._radius)
+            there = np.flatnonzero(off <= self._within)
             if not len(there):
                 return
             at += int(there[0])

@@ -84,6 +84,9 @@ class Pursuit:
     def passed(self, places: NDArray[np.complex128], times: Array) -> None:
         """Look along the way that is about to be walked: places (z + i·x) frame by frame and their times."""
 
+    def carried(self) -> None:
+        """Reckon from here on with feet that take the body a little elsewhere than its way goes."""
+
     def note(self, now: Situation) -> None:
         """Look at the new situation after a path has been decided for."""
 
