@@ -563,6 +563,18 @@ def test_who_hardly_gets_about_is_not_sent_far_unasked() -> None:
     assert near.most_seconds(exercises, None) > 20.0
 
 
+def test_of_ways_beside_a_route_the_nearer_is_the_better() -> None:
+    """A route that ends where it begins tells nothing by how near to its end one was."""
+    corners = [(0.0, 0.0), (0.0, 4.0), (4.0, 4.0), (4.0, 0.0), (0.0, 0.0)]
+    wish = Wish.of(None, corners, None, None, None, None)
+    line = np.concatenate([np.linspace(a, b, 50) for a, b in itertools.pairwise(np.array(corners))])
+    along = 0.9 * (line - 2.0) + 2.0
+    beside = line + np.array([3.0, 0.0])
+    assert wish.miss(line, True) == (0.0, 0.0)
+    assert wish.miss(line, False) < wish.miss(beside, True) < wish.miss(beside, False)
+    assert wish.miss(along, True) < wish.miss(beside, True)
+
+
 def test_a_far_shorter_way_by_more_bend_is_named(walks: list[kx.Motion]) -> None:
     """Tried before it is named: with that bend it is about as long as said."""
     round_ = kx.performance(walks[0], target=(5, -2), bend=3, seconds=90)

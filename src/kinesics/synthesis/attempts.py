@@ -32,6 +32,8 @@ DETOURS: Final = (3.0, 5.0)
 inside that turn: whoever goes round it at arm's length would go round it for ever."""
 AIMS: Final = 3
 """Times that a way is drawn anew where it leads to the target but, with the feet kept in place, the body goes beside it."""
+ENOUGH: Final = 5000.0
+"""Seconds of movement performed for ways that do not do, after which no other is drawn: far targets take minutes each."""
 PATIENT: Final = 4
 """Ways drawn before others may take longer, where no time was asked for."""
 MORE_TIME: Final = 2.0
@@ -129,6 +131,7 @@ def best_attempt(
         allowed += [allowed[-1]] * len(DETOURS)
         radii += DETOURS
     best: Attempt | None = None
+    spent = 0.0
     for number, (most_bent, radius) in enumerate(zip(allowed, radii, strict=True)):
         via, most = None, seconds * (MORE_TIME if more_time and number >= PATIENT else 1.0)
         if radius and best is not None:
@@ -140,11 +143,12 @@ def best_attempt(
             this = draw(number, most_bent, via, most)
             if best is None or this.miss < best.miss:
                 best = this
-            if this.done is None or not wish.places or not any(this.miss):
+            spent += 0.0 if this.done is None else this.done.motion.duration
+            if this.done is None or not wish.places or not any(this.miss) or spent > ENOUGH:
                 break
             drift = drift_of(this.course.ground, trail_of(this.done))
         assert best is not None
-        if not any(best.miss):
+        if not any(best.miss) or spent > ENOUGH:
             break
     assert best is not None
     shorter = _far_shorter(net, wish, best, seconds, seed, finish, beta, start, ahead) if again else None

@@ -30,10 +30,10 @@ SLIP: Final = 0.003
 """m/s over the floor that weigh as much as the accelerations below."""
 HEIGHT: Final = 0.006
 """Metres above the floor that do."""
-GENTLE: Final = 10.0
-"""m/s²: of a foot. With `ASTRAY` it sets how soon a foot that was let go is where the recording has it beneath the body: some 40
-milliseconds, within which centimetres are made up for without a jerk."""
-ASTRAY: Final = 0.02
+GENTLE: Final = 30.0
+"""m/s²: of a foot. With `ASTRAY` it sets how soon a foot that was let go is where the recording has it beneath the body: sooner it
+jerks, later a runner's feet seem to bear for longer than they do."""
+ASTRAY: Final = 0.008
 """Metres of a foot from its place beneath the body."""
 ADRIFT: Final = 1.0
 """Metres of the body over the floor from its place: feet that slide in the recordings make every stride a little longer than legs

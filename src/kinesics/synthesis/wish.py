@@ -243,7 +243,8 @@ class Wish:
     def miss(self, trail: Array, attained: bool) -> tuple[float, float]:
         """How many places were not reached, and metres from the next; 0 and 0 if all were.
 
-        Of a route 1 and metres from its end at best, if it was not attained or left aside.
+        Of a route, if it was not attained or left aside, 1 and metres: how far aside of it the way is, and how far from its end it
+        ends.
         """
         if self.places:
             there = visits(trail, self.places, self.radius)
@@ -255,7 +256,8 @@ class Wish:
             return 0.0, 0.0
         if self.route is None:
             return 1.0, 0.0
-        return 1.0, float(np.hypot(*(trail - np.asarray(self.route.points)[-1]).T).min())
+        left = 0.0 if attained else float(np.hypot(*(trail[-1] - np.asarray(self.route.points)[-1])))
+        return 1.0, aside_of(trail, np.asarray(self.route.points)) + left
 
     def by_name(self, motions: Sequence[Motion], names: Sequence[str]) -> Wish:
         """With the name of a recording in place of that of its file, where that is favoured."""
