@@ -26,8 +26,9 @@ from kinesics import compiled
 
 Array = NDArray[np.float64]
 
-SLIP: Final = 0.003
-"""m/s over the floor that weigh as much as the accelerations below."""
+SLIP: Final = 0.0003
+"""m/s over the floor that weigh as much as the accelerations below. Ten times more, and who stands for a minute creeps by
+centimetres."""
 HEIGHT: Final = 0.006
 """Metres above the floor that do."""
 GENTLE: Final = 30.0
