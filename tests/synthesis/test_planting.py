@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 import kinesics as kx
 from kinesics.body import kinematics
@@ -17,6 +18,8 @@ from kinesics.synthesis.rehearsal import played
 from kinesics.synthesis.rendering import render
 from kinesics.synthesis.repertoire import repertoire
 from kinesics.synthesis.stage import Stage
+
+Array = NDArray[np.float64]
 
 
 def standing(shared: Path, folder: Path, name: str) -> kx.Motion:
@@ -73,3 +76,30 @@ def test_long_contacts_are_held_more_firmly() -> None:
     firm = planting._firmly(bears, 50.0)
     assert (firm[:100] == 1.0).all()
     assert np.allclose(firm[100:900] ** 2, 800 / 50.0 / planting.LONG)
+
+
+def test_ankles_do_not_leap_as_feet_are_let_go(shared_data: Path) -> None:
+    """A runner's feet slide by centimetres a contact; in what is performed they catch up hardly quicker than recorded ones go."""
+    run = kx.read(shared_data / "cmu" / "09" / "09_06.amc")
+    done = kx.perform(run, seconds=20, seed=3)
+    feet = [done.skeleton.joint_names.index(name) for name in ("lfoot", "rfoot")]
+
+    def leaps(of: kx.Motion) -> Array:
+        return np.linalg.norm(np.diff(of.positions()[:, feet], 2, axis=0), axis=-1)
+
+    assert leaps(done).max() < 1.3 * leaps(run).max()
+
+
+def test_what_a_sole_slides_is_averaged_only_while_it_is_held() -> None:
+    """A tremble goes, the whole way stays, and what a free foot goes is not taken for any of it."""
+    slid = np.zeros((30, 2, 2))
+    slid[10:20, 0, 0] = np.tile([0.02, -0.02], 5)
+    slid[:10], slid[20:] = 1.0, 1.0
+    held = np.zeros((30, 2), dtype=np.bool_)
+    held[10:20] = True
+    steady = planting._steadied(slid, held, 1)
+    assert np.array_equal(steady[~held], slid[~held])
+    assert np.abs(steady[11:19, 0, 0]).max() < 0.01
+    assert np.abs(steady[10:20, 0, 0]).max() < 0.02 + 1e-12
+    assert abs(steady[10:20, 0, 0].sum()) < 0.02
+    assert np.array_equal(planting._steadied(slid, held, 0), slid)
