@@ -101,7 +101,7 @@ def best_attempt(
     shorten : whether a way that is far shorter by being bent more is gone, not only told of.
     progress : called with the share done.
     """
-    drift = 1.0 + 0.0j
+    drift, spent = 1.0 + 0.0j, 0.0
 
     def draw(number: int, bent: float, via: Detour | None, most: float) -> Attempt:
         course = perform_paths(
@@ -125,22 +125,12 @@ def best_attempt(
         done = _until_there(performed(net, course), wish)
         return Attempt(course, bent, via, done, wish.miss(trail_of(done), False))
 
-    allowed = [min(sharper * bend, max(bend, MOST_BEND)) for sharper in (SHARPER if again else SHARPER[:1])]
-    radii = [0.0] * len(allowed)
-    if again and wish.places:
-        allowed += [allowed[-1]] * len(DETOURS)
-        radii += DETOURS
-    best: Attempt | None = None
-    spent = 0.0
-    for number, (most_bent, radius) in enumerate(zip(allowed, radii, strict=True)):
-        via, most = None, seconds * (MORE_TIME if more_time and number >= PATIENT else 1.0)
-        if radius and best is not None:
-            gone = radius / (1.0 / ahead.turning + math.radians(most_bent))
-            via = _ahead(best, wish, gone)
-            most += 2.0 * gone * ahead.lookahead / ahead.reach if more_time else 0.0
+    def aimed(number: int, bent: float, via: Detour | None, most: float) -> Attempt:
+        """The best of ways set off, one after the other, by what the feet take away."""
+        nonlocal drift, spent
+        best: Attempt | None = None
         for _ in range(AIMS):
-            progress(number / len(allowed))
-            this = draw(number, most_bent, via, most)
+            this = draw(number, bent, via, most)
             if best is None or this.miss < best.miss:
                 best = this
             spent += 0.0 if this.done is None else this.done.motion.duration
@@ -148,19 +138,33 @@ def best_attempt(
                 break
             drift = drift_of(this.course.ground, trail_of(this.done))
         assert best is not None
+        return best
+
+    allowed = [min(sharper * bend, max(bend, MOST_BEND)) for sharper in (SHARPER if again else SHARPER[:1])]
+    radii = [0.0] * len(allowed)
+    if again and wish.places:
+        allowed += [allowed[-1]] * len(DETOURS)
+        radii += DETOURS
+    best: Attempt | None = None
+    for number, (most_bent, radius) in enumerate(zip(allowed, radii, strict=True)):
+        via, most = None, seconds * (MORE_TIME if more_time and number >= PATIENT else 1.0)
+        if radius and best is not None:
+            gone = radius / (1.0 / ahead.turning + math.radians(most_bent))
+            via = _ahead(best, wish, gone)
+            most += 2.0 * gone * ahead.lookahead / ahead.reach if more_time else 0.0
+        progress(number / len(allowed))
+        this = aimed(number, most_bent, via, most)
+        if best is None or this.miss < best.miss:
+            best = this
         if not any(best.miss) or spent > ENOUGH:
             break
     assert best is not None
     shorter = _far_shorter(net, wish, best, seconds, seed, finish, beta, start, ahead) if again else None
     if shorter is not None and shorten:
-        drift = 1.0 + 0.0j
-        for _ in range(AIMS):
-            bent = draw(0, shorter.bend, None, seconds)
-            if bent.done is not None and bent.miss <= best.miss:
-                return bent._replace(spared=best.course.length)
-            if bent.done is None:
-                break
-            drift = drift_of(bent.course.ground, trail_of(bent.done))
+        drift, spent = 1.0 + 0.0j, 0.0
+        more_bent = aimed(0, shorter.bend, None, seconds)
+        if more_bent.done is not None and more_bent.miss <= best.miss:
+            return more_bent._replace(spared=best.course.length)
     return best._replace(shorter=shorter)
 
 

@@ -266,11 +266,6 @@ class Controller:
             self._stopping = stop if stop.possible else None
 
     @property
-    def can_stand(self) -> bool:
-        """Whether the network has a stance to end in."""
-        return bool(ways.stances(self.network).any())
-
-    @property
     def attained(self) -> bool:
         """Whether every goal that can be attained was; False if there is none such."""
         ends = [p.done(self.now) for p in self._pursuits]
