@@ -79,6 +79,8 @@ class Network:
     meeting: Meeting | None = None
     """How each successor meets what the path before would have gone on with: along with `indices`, 0 where the recording itself
     goes on. None: place and heading of the pelvis are the same everywhere."""
+    afoot: Repertoire | None = None
+    """The recordings with their feet planted, where ways over the floor are theirs (`kinesics.synthesis.afoot`)."""
     state_from: tuple[str, ...] = ()
     """The grammar's words for each path; empty until `kinesics.synthesis.labels.labelled`."""
     state_to: tuple[str, ...] = ()

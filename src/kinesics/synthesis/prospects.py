@@ -227,8 +227,8 @@ def shares_of(seconds: Array, lookahead: float) -> Array:
 
 
 def trails(network: Network) -> Trails:
-    """The way of the root within each path, from the recordings."""
-    repertoire = network.repertoire
+    """The way of the root within each path, from the recordings, or those with their feet planted (`Network.afoot`)."""
+    repertoire = network.repertoire if network.afoot is None else network.afoot
     length = np.asarray(network.length, dtype=np.intp)
     start = np.concatenate([[0], np.cumsum(length + 1)[:-1]]).astype(np.intp)
     path = np.repeat(np.arange(len(length)), length + 1)
