@@ -23,7 +23,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
@@ -46,6 +46,8 @@ BETA: Final = 100.0
 """Default β: near a beeline, but of two ways as good either may be taken."""
 BEND: Final = 5.0
 """Default greatest bend, degrees a metre: some 3.5° a step of walking."""
+WIDEST: Final = 90.0
+"""Greatest bend that may be asked for, degrees a metre: a turn on the spot, nearly."""
 HOLD: Final = 0.2
 """Seconds that a recording is kept before it is left again, where there is a choice."""
 TOO_SOON: Final = 1.0
@@ -184,8 +186,8 @@ class Controller:
     ) -> None:
         if not beta >= 0.0:
             raise InputError(f"Expected `beta` of 0 or more (infinite: always the best), got {beta}.")
-        if not (np.isfinite(bend) and 0.0 <= bend <= 90.0):
-            raise InputError(f"Expected `bend` in degrees a metre, from 0 to 90, got {bend}.")
+        if not (np.isfinite(bend) and 0.0 <= bend <= WIDEST):
+            raise InputError(f"Expected `bend` in degrees a metre, from 0 to {WIDEST:g}, got {bend}.")
         place = np.asarray(position, dtype=np.float64)
         if place.shape != (2,) or not np.isfinite(place).all() or not np.isfinite(heading):
             raise InputError(
@@ -742,6 +744,7 @@ def perform_paths(
     heading: float = 0.0,
     stand: bool = True,
     prepared: Prospects | None = None,
+    after_each: Callable[[Controller, Sequence[Step]], None] | None = None,
 ) -> Course:
     """Decide for a whole performance at once. Parameters as of `Controller`.
 
@@ -749,6 +752,7 @@ def perform_paths(
     ----------
     seconds : how long, at most.
     finish : whether to end when the goals are attained (and the performer stands, if it can), before the time is up.
+    after_each : called after every decision with all so far; may set the controller right (`kinesics.synthesis.underway`).
 
     Raises
     ------
@@ -779,6 +783,8 @@ def perform_paths(
         step = controller.step(most - frames)
         steps.append(step)
         frames += int(network.length[step.path])
+        if after_each is not None and frames < most:
+            after_each(controller, steps)
     return _course(controller, steps, most)
 
 
