@@ -167,3 +167,19 @@ def test_whatever_is_at_once_is_told_in_plain_values(made: Network, done: Perfor
     assert told["slide_m"] == pytest.approx(found.slide, abs=1e-6)
     assert told["accepted"] == made.threshold
     assert found.contacts >= sum(len(runs(done.feet[:, k])) for k in (0, 1)) - 2
+
+
+def test_an_ankle_thrown_off_its_way_is_seen(made: Network, done: Performance) -> None:
+    """A shin turned by 45° for a frame: which foot, when, and how hard; once, though it comes back in the next."""
+    assert checking.check(done, made).leaps == ()
+    rotations = done.motion.rotations.copy()
+    shin = Stage.of(made.repertoire).legs.tibias[1]
+    turn = quaternion.from_rotvec(np.deg2rad([45.0, 0.0, 0.0]))
+    rotations[200, shin] = quaternion.multiply(rotations[200, shin], turn)
+    thrown = dataclasses.replace(done, motion=dataclasses.replace(done.motion, rotations=rotations))
+    found = checking.check(thrown, made)
+    assert [(leap.foot, leap.frame) for leap in found.leaps] == [("right", 200)]
+    assert found.leaps[0].acceleration > checking.LEAP
+    assert not found.holds
+    assert "once an ankle leaps for a frame" in found.sentence
+    assert found.to_dict()["leaps"][0]["frame"] == 200

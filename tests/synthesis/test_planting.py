@@ -88,18 +88,3 @@ def test_ankles_do_not_leap_as_feet_are_let_go(shared_data: Path) -> None:
         return np.linalg.norm(np.diff(of.positions()[:, feet], 2, axis=0), axis=-1)
 
     assert leaps(done).max() < 1.3 * leaps(run).max()
-
-
-def test_what_a_sole_slides_is_averaged_only_while_it_is_held() -> None:
-    """A tremble goes, the whole way stays, and what a free foot goes is not taken for any of it."""
-    slid = np.zeros((30, 2, 2))
-    slid[10:20, 0, 0] = np.tile([0.02, -0.02], 5)
-    slid[:10], slid[20:] = 1.0, 1.0
-    held = np.zeros((30, 2), dtype=np.bool_)
-    held[10:20] = True
-    steady = planting._steadied(slid, held, 1)
-    assert np.array_equal(steady[~held], slid[~held])
-    assert np.abs(steady[11:19, 0, 0]).max() < 0.01
-    assert np.abs(steady[10:20, 0, 0]).max() < 0.02 + 1e-12
-    assert abs(steady[10:20, 0, 0].sum()) < 0.02
-    assert np.array_equal(planting._steadied(slid, held, 0), slid)

@@ -32,6 +32,13 @@ SUNK: Final = 0.01
 """Metres that a sole may be below the floor."""
 ROUNDING: Final = 1e-6
 """Radians that are no excess."""
+LEAP: Final = 175.0
+"""m/s²: an ankle that is accelerated by more from one frame to the next leaps, unless the recording does so there: 18 g, a
+centimetre and more in a frame at 120 frames a second, a decimetre at 40."""
+BEYOND: Final = 2.5
+"""Times what the recording does there: so much more is a leap."""
+_ABOUT: Final = 0.05
+"""Seconds to either side of a moment that count as there."""
 _BLOCK: Final = 512
 
 
@@ -45,6 +52,17 @@ class Slid(NamedTuple):
     end: int
     slide: float
     """Metres."""
+
+
+class Leap(NamedTuple):
+    """An ankle that is thrown off its way for a frame or two."""
+
+    foot: str
+    """left or right."""
+    frame: int
+    """Of the performance."""
+    acceleration: float
+    """m/s², from one frame to the next."""
 
 
 class Check(NamedTuple):
@@ -68,15 +86,17 @@ class Check(NamedTuple):
     """The largest D accepted at a transition."""
     slid: tuple[Slid, ...] = ()
     """The contacts that slide more than `SLIDE`, in the order in which they begin."""
+    leaps: tuple[Leap, ...] = ()
+    """Ankles that leap as the recording does not (`LEAP`, `BEYOND`), in order of time."""
 
     @property
     def holds(self) -> bool:
         """Whether everything is as it may be."""
-        return not self.slides and self.stays
+        return not self.slides and not self.leaps and self.stays
 
     @property
     def stays(self) -> bool:
-        """Whether, but for slides, everything is as it may be."""
+        """Whether, but for slides and leaps of feet, everything is as it may be."""
         return (
             self.below_floor <= SUNK
             and self.beyond_range <= ROUNDING
@@ -91,9 +111,10 @@ class Check(NamedTuple):
         slid = (
             f"{self.slides} of {self.contacts} contacts {slide} more than {100 * SLIDE:g} cm, " if self.slides else ""
         )
+        leapt = f"{_times(len(self.leaps))} an ankle leaps for a frame, " if self.leaps else ""
         beyond = 0.0 if self.beyond_range <= ROUNDING else np.rad2deg(self.beyond_range)
         return (
-            f"{slid}feet slide {100 * self.slide:.1f} cm at most, {100 * self.below_floor:.1f} cm below the floor; joints "
+            f"{slid}{leapt}feet slide {100 * self.slide:.1f} cm at most, {100 * self.below_floor:.1f} cm below the floor; joints "
             f"{beyond:.2g}° beyond their range, limbs {1000 * self.deeper:.1f} mm deeper in each other than recorded; "
             f"D to the recordings at most {self.distance:.2g} of {self.accepted:.2g}"
         )
@@ -111,6 +132,9 @@ class Check(NamedTuple):
             "distance": round(self.distance, 6),
             "accepted": self.accepted,
             "slid": [{"foot": s.foot, "start": s.start, "end": s.end, "slide_m": round(s.slide, 6)} for s in self.slid],
+            "leaps": [
+                {"foot": p.foot, "frame": p.frame, "acceleration_m_s2": round(p.acceleration, 1)} for p in self.leaps
+            ],
         }
 
 
@@ -138,6 +162,7 @@ def check(done: Performance, network: Network) -> Check:
         _farthest(_poses(motion), repertoire, done, network.threshold),
         network.threshold,
         tuple(slid),
+        _leaps(done, known.positions[:, list(stage.legs.feet)], stage),
     )
 
 
@@ -158,6 +183,38 @@ def slide(points: Array, height: Array) -> float:
     way = np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
     blocks = (way[a : a + _BLOCK, None] - way[None] for a in range(0, len(way), _BLOCK))
     return float(max(np.einsum("abi,abi->ab", apart, apart).max() for apart in blocks) ** 0.5)
+
+
+def _leaps(done: Performance, ankles: Array, stage: Stage) -> tuple[Leap, ...]:
+    """Ankles (frames, 2, 3) that leap as what they play does not; of those that follow at once, the greatest."""
+    repertoire, fps, moments = stage.repertoire, done.motion.fps, done.provenance.moment
+    pushed = np.linalg.norm(np.diff(ankles, 2, axis=0), axis=-1) * fps**2
+    reach = max(2, round(_ABOUT * fps))
+    out: list[Leap] = []
+    for k, foot in enumerate(("left", "right")):
+        for at in np.flatnonzero(pushed[:, k] > LEAP).tolist():
+            around = repertoire.advance(moments[at + 1 : at + 2], np.arange(-reach - 1, reach + 2))
+            around = around[around >= 0]
+            known = kinematics.forward(
+                repertoire.skeleton,
+                repertoire.rotations_of(around),
+                repertoire.roots_of(around),
+                joints=np.array(stage.legs.feet[k : k + 1]),
+            )
+            way = known.positions[:, stage.legs.feet[k]]
+            usual = np.linalg.norm(np.diff(way, 2, axis=0), axis=-1).max(initial=0.0) * fps**2
+            leap = Leap(foot, at + 1, float(pushed[at, k]))
+            if leap.acceleration <= BEYOND * usual:
+                continue
+            if out and out[-1].foot == foot and leap.frame - out[-1].frame <= reach:
+                out[-1] = max(out[-1], leap, key=lambda found: found.acceleration)
+            else:
+                out.append(leap)
+    return tuple(sorted(out, key=lambda found: (found.frame, found.foot)))
+
+
+def _times(count: int) -> str:
+    return {1: "once", 2: "twice"}.get(count, f"{count} times")
 
 
 def beyond(motion: Motion, stage: Stage) -> Array:

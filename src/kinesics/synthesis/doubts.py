@@ -52,6 +52,7 @@ def doubts(
         _short(piece, wish),
         _leapt(piece),
         *_slid(piece),
+        _jolted(piece),
         _beyond(piece),
     )
     return tuple(line for line in said if line)
@@ -211,6 +212,19 @@ def _slid(piece: Piece) -> list[str]:
         which = "there" if len(alone) == found.slides else f"in {len(alone)} of these"
         advice.append(f"{which} no transition is near: it lies in the recordings, and only others help")
     return [f"{out}; {'; '.join(advice)}"]
+
+
+def _jolted(piece: Piece) -> str:
+    """Ankles that leap where the recordings do not."""
+    leaps, fps = piece.check.leaps, piece.motion.fps
+    if not leaps:
+        return ""
+    shown = ", ".join(f"{leap.frame / fps:.2f} s ({leap.foot})" for leap in leaps[:4])
+    more = f" and {len(leaps) - 4} times more" if len(leaps) > 4 else ""
+    return (
+        f"an ankle is thrown off its way for a frame at {shown}{more}: there the recording's foot turns or slides so quickly "
+        "while it bears that the leg must follow; another seed (--seed) may do without"
+    )
 
 
 def _near_cut(slid: Slid, cuts: NDArray[np.intp], near: float) -> bool:

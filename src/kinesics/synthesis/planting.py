@@ -42,9 +42,6 @@ Indices = NDArray[np.intp]
 
 GRIP: Final = 0.03
 """Seconds in which a foot that comes down is held more and more firmly; in reverse as it is lifted."""
-TREMBLE: Final = 0.008
-"""Seconds to each side over which what a sole slides is averaged at first: where it trembles as the foot rolls, the ankle above it
-would jump if the sole stood quite still. Contacts that slide all the same are held as they come."""
 ROUNDS: Final = 6
 """Most times that feet are planted, joints put back that were bent too far, and planted again as far as these go."""
 _LEGS: Final = {"left", "right", "femur", "tibia"}
@@ -73,8 +70,6 @@ _CLOSE: Final = 0.001
 """Metres beyond `LET_PASS` for which no other round is gone."""
 _HARDLY: Final = 0.0003
 """The same of metres that legs are to move apart."""
-_LENIENT: Final = 1
-"""Rounds after which contacts that slide are held as they come, trembling or not."""
 _PATIENCE: Final = 2
 """Rounds that may pass without anything getting better."""
 _TURNS: Final = (6, 3)
@@ -134,11 +129,10 @@ def pin(
     bounds = way, least = Bounds.none(len(rotations))
     more = np.zeros_like(least)
     gripped = standing
-    firm = np.zeros_like(standing)
     turned = None
     best, least_slid, found_in = None, np.inf, 0
     for attempt in range(rounds):
-        done = _planted(stage, given, roots, standing, gripped, firm, held, stiff, bounds, adrift)
+        done = _planted(stage, given, roots, standing, gripped, held, stiff, bounds, adrift)
         turned = turned_for_the_hips(stage, done.rotations, done.roots, turned, _TURNS[min(attempt, 1)])
         done = done._replace(rotations=turned.rotations)
         within = done.rotations.copy()
@@ -155,9 +149,6 @@ def pin(
             break
         planted = _lower(stage, done.rotations, done.roots)
         gripped = gripped | _frames_of(_sliding(stage, planted), len(roots), 0)
-        if attempt >= _LENIENT:
-            lasting = [slide for slide in slides if slide.more > _CLOSE]
-            firm = firm | _frames_of(lasting, len(roots), round(GRIP * stage.repertoire.fps))
         # an ankle that would be bent too far turns its foot, by no more than this leg asks for; it is then planted as it is turned
         above = planted.rotations[:, parents]
         bent = done.rotations.copy()
@@ -320,7 +311,6 @@ def _planted(
     roots: Array,
     standing: Mask,
     gripped: Mask,
-    firm: Mask,
     held: Array,
     stiff: Stiffness,
     bounds: Bounds,
@@ -338,17 +328,7 @@ def _planted(
     grip = np.stack([_grip(gripped[:, k], fps) * _firmly(gripped[:, k], fps) for k in (0, 1)], axis=-1)
     press = np.stack([held_around(standing[:, k], LIFT * fps) for k in (0, 1)], axis=-1)
     gripping = np.minimum(grip[1:], grip[:-1])
-    found = footing.footing(
-        np.where(firm[1:, :, None], slid, _steadied(slid, gripping > 0.0, round(TREMBLE * fps))),
-        gripping,
-        lowest,
-        press,
-        stiff,
-        fps,
-        bounds,
-        _both(held, fps),
-        adrift,
-    )
+    found = footing.footing(slid, gripping, lowest, press, stiff, fps, bounds, _both(held, fps), adrift)
     corrected, shift = found.feet, found.body
     reach = max(1, round(SOFTLY * fps))
     for k in (0, 1):
@@ -402,17 +382,6 @@ def _grip(standing: Mask, fps: float) -> Array:
         return standing.astype(np.float64)
     inside = np.asarray(distance_transform_edt(standing)) - np.asarray(distance_transform_edt(~standing))
     return np.asarray(blending.ease(inside / fps / GRIP))
-
-
-def _steadied(slid: Array, gripped: Mask, reach: int) -> Array:
-    """What soles slide, shape (frames, 2, 2), averaged over so many frames to each side of those in which they are held."""
-    from scipy.ndimage import uniform_filter1d
-
-    if reach == 0:
-        return slid
-    held = gripped[..., None].astype(np.float64)
-    total, share = (uniform_filter1d(v, 2 * reach + 1, axis=0, mode="constant") for v in (slid * held, held))
-    return np.where(gripped[..., None], total / np.maximum(share, 1e-9), slid)
 
 
 def _firmly(standing: Mask, fps: float) -> Array:

@@ -18,6 +18,7 @@ from kinesics.synthesis.meeting import same_soles
 from kinesics.synthesis.planting import pin
 from kinesics.synthesis.repertoire import Repertoire
 from kinesics.synthesis.stage import Stage
+from kinesics.synthesis.steady_feet import steady_feet
 
 Array = NDArray[np.float64]
 
@@ -55,10 +56,10 @@ def _planted(stage: Stage) -> Repertoire:
         for first, past in itertools.pairwise(own.starts.tolist()):
             for a in range(first, past, _AT_ONCE):
                 low, high = max(a - _OVERLAP, first), min(a + _AT_ONCE + _OVERLAP, past)
-                given = own.rotations[image, low:high], own.root_positions[image, low:high]
-                done = pin(
-                    stage, *given, own.contacts[image, low:high], adrift=_ANYWHERE, urged=_URGED, rounds=_PATIENT
-                )
+                standing = own.contacts[image, low:high]
+                steady = steady_feet(stage, own.rotations[image, low:high], standing)
+                given = steady, own.root_positions[image, low:high], standing
+                done = pin(stage, *given, adrift=_ANYWHERE, urged=_URGED, rounds=_PATIENT)
                 places = done.roots[a - low :]
                 if a > first:
                     # it goes on from where the stretch before has come to

@@ -315,8 +315,8 @@ def held_around(standing: Mask, reach: float) -> Array:
     """1 while a foot bears, going to 0 smoothly over ``reach`` frames before and after."""
     from scipy.ndimage import distance_transform_edt
 
-    if standing.all():
-        return np.ones(len(standing))
+    if standing.all() or not standing.any():
+        return standing.astype(np.float64)
     away = np.asarray(distance_transform_edt(~standing))
     return 1.0 - blending.ease((away - _MARGIN * reach) / ((1.0 - _MARGIN) * reach + 1.0))
 
