@@ -302,6 +302,25 @@ def test_what_cannot_be_is_one_message(
         ["--target", "1,1", "--within", "0"],
         ["--from", ""],
         ["--favour", " "],
+        ["--linger"],
+        ["--linger", "--seconds", "5"],
+        ["--linger", "--from", "A", "--seconds", "5"],
+        ["--linger", "--target", "1,1"],
+        ["--seconds", "-1"],
+        ["--seconds", "nan"],
+        ["--seconds", "1e9"],
+        ["--seed", "-1"],
+        ["--beta", "nan"],
+        ["--bend", "-1"],
+        ["--bend", "91"],
+        ["--fps", "nan"],
+        ["--fps", "0"],
+        ["--fps", "5000"],
+        ["--threshold", "0"],
+        ["--threshold", "-0.1"],
+        ["--threshold", "inf"],
+        ["--threshold", "2"],
+        ["--target", "1,1", "--within", "-1"],
     ],
     ids=" ".join,
 )
@@ -392,6 +411,19 @@ def test_files_of_other_editors_are_performed_alike(
     new, again = kx.read(tmp_path / "new.npz"), kx.read(tmp_path / "again.npz")
     assert (new.rotations == again.rotations).all()
     assert (new.root_positions == again.root_positions).all()
+
+
+def test_the_body_to_perform_on_is_looked_at_before_the_recordings(
+    kinesics: Kinesics, walk: Path, tmp_path: Path
+) -> None:
+    """There may be hundreds of these."""
+    motion = kx.read(walk)
+    pole = kx.Skeleton(("root", "tip"), (-1, 0), np.array([[0.0, 0.0, 0.0], [0.0, 1.0, 0.0]]), ())
+    kx.write(kx.Motion(pole, motion.rotations[:, :2], motion.root_positions, 30.0), tmp_path / "pole.npz")
+    got = kinesics("perform", "none.bvh", "--skeleton-of", "pole.npz", "--out", "new.bvh")
+    assert got.code == 2
+    assert "pole.npz: The skeleton cannot be understood" in got.err
+    assert "none.bvh" not in got.err
 
 
 def test_what_it_is_performed_on_and_from_is_said(kinesics: Kinesics, walk: Path, circle: Path, tmp_path: Path) -> None:

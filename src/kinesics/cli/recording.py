@@ -100,17 +100,14 @@ class Reading:
         InputError
             If one cannot be read or understood, or with ``skip`` none can.
         """
-        from kinesics.body import anatomy
-        from kinesics.errors import InputError, SkeletonError
+        from kinesics.errors import InputError
 
         read: list[tuple[Path, Motion]] = []
         bad: list[tuple[Path, InputError]] = []
         for number, file in enumerate(files):
             progress(number / len(files), f"reading {file.name}")
             try:
-                read.append((file, anatomy.understood(self.read(file), self.mapping())))
-            except SkeletonError as error:
-                bad.append((file, SkeletonError(f"{file}: {error}", found=error.found, missing=error.missing)))
+                read.append((file, self.read_body(file)))
             except InputError as error:
                 bad.append((file, error))
         if not bad or (skip and read):
@@ -122,6 +119,22 @@ class Reading:
             told += f"\n  and {len(bad) - _MOST_BAD} more: {', '.join(str(file) for file, _ in bad[_MOST_BAD:])}"
         helps = " Mend what is wrong, or go on without: --skip-unusable." if read else ""
         raise InputError(f"{len(bad)} of {len(files)} recordings cannot be used.{helps}\n{told}")
+
+    def read_body(self, file: Path) -> Motion:
+        """Read a recording of a human body.
+
+        Raises
+        ------
+        InputError
+            If it cannot be read, or its skeleton not be understood.
+        """
+        from kinesics.body import anatomy
+        from kinesics.errors import SkeletonError
+
+        try:
+            return anatomy.understood(self.read(file), self.mapping())
+        except SkeletonError as error:
+            raise SkeletonError(f"{file}: {error}", found=error.found, missing=error.missing) from error
 
     def read(self, file: Path) -> Motion:
         """Read a recording the way the user says.

@@ -7,10 +7,12 @@ check it: which frames of which recording, mirrored or not, over which transitio
 from __future__ import annotations
 
 import dataclasses
+import functools
+import inspect
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from os import PathLike
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ParamSpec
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,118 +25,22 @@ from kinesics.progress import Progress, silent
 from kinesics.synthesis import checking, elsewhere, goals, labels
 from kinesics.synthesis import network as networks
 from kinesics.synthesis.attempts import Attempt, best_attempt, performed
-from kinesics.synthesis.controller import BEND, BETA, LONGEST
+from kinesics.synthesis.controller import BEND, BETA
 from kinesics.synthesis.doubts import doubts
 from kinesics.synthesis.network import Network
 from kinesics.synthesis.piece import Piece, SourceFacts
 from kinesics.synthesis.prospects import prospects
 from kinesics.synthesis.repertoire import LEAST_FPS, repertoire
+from kinesics.synthesis.request import Request
 from kinesics.synthesis.transitions import transitions
-from kinesics.synthesis.wish import HARDLY, Grammar, Wish, check_names, favoured, names_recordings
+from kinesics.synthesis.wish import HARDLY, Grammar, Wish, check_names, check_states, favoured, names_recordings
 
 if TYPE_CHECKING:
     from kinesics.grammar.edits import Edits
     from kinesics.synthesis.goals import Feature, Goal
 
-Array = NDArray[np.float64]
+P = ParamSpec("P")
 Mask = NDArray[np.bool_]
-
-
-def perform(
-    motions: Motion | Sequence[Motion],
-    *,
-    target: ArrayLike | None = None,
-    radius: float | None = None,
-    route: ArrayLike | None = None,
-    from_state: str | None = None,
-    to_state: str | None = None,
-    favour: str | None = None,
-    goal: Goal | Feature | Sequence[Goal | Feature] | None = None,
-    seconds: float | None = None,
-    linger: bool = False,
-    seed: int = 0,
-    beta: float = BETA,
-    bend: float | None = None,
-    mirrored: bool = True,
-    backwards: bool = False,
-    skeleton: Skeleton | Motion | None = None,
-    fps: float | None = None,
-    threshold: float | None = None,
-    mapping: Mapping[str, object] | None = None,
-    edits: Edits | None = None,
-    progress: Progress = silent,
-) -> Motion:
-    """A new movement from recordings, over the transitions between their moments ([Schultz2012] §4.4).
-
-    What was chosen stands in ``assumptions`` of the result, what went wrong in ``warnings``; `performance`, of the same
-    parameters, tells where every frame comes from.
-
-    Parameters
-    ----------
-    motions : recordings to perform from; one alone will do. Skeletons and frame rates may differ. What is given twice is used once.
-    target : x, z in metres from where the performer starts, facing +z.
-    radius : how near to the target counts as there, metres; .5 unless given.
-    route : corners of a line on the floor to follow, shape (n, 2), x and z in metres from where the performer starts.
-    from_state, to_state : states of the motion graph (`kinesics.graph` of the same recordings names them, such as "A", "A*" or
-        "X~"): begin in the one, and go to the other by the quickest way, on which every transition counts as 3 seconds or more:
-        what was recorded between them is travelled rather than leapt over. The first alone is only where it begins.
-    favour : of what there is to be much: a class ("cyclic-antiphase"), a state ("A*") or a path ("ab_1") of the grammar, a phrase
-        by the name that ``edits`` give it (of one recording also by its kind, "kind 2"), a recording by its name; or a word that
-        stands in the names of recordings, "walk". Where it is not in the largest part of the recordings that holds together, the
-        part with most of it is performed. Beside a target or route it is a soft pull only: of ways about as good the one
-        with more of it is taken.
-    goal : a goal, or several, of `kinesics.synthesis.goals`, or a feature of your own, in place of target and route.
-    seconds : how long. With a goal at most, for it ends when that is attained. Without: 20, or what the goal may take.
-    linger : with a goal, go on to the end of ``seconds``.
-    seed : of all that is drawn; the same recordings and numbers give the same movement. Where the first way drawn does not lead
-        to the target or along the route, up to seven others are drawn, which may be bent up to four times more; the best is
-        performed.
-    beta : how strictly the goal decides, from a stroll (0) to a beeline (infinite).
-    bend : by how much the way may be bent towards the goal, degrees a metre. Unless given 5, and more where the way to a target
-        becomes far shorter by it.
-    mirrored : whether mirror images of the recordings may be performed.
-    backwards : whether the recordings may be performed backwards, too: where the movement can be passed into from one that runs
-        forwards, pose and velocity alike, as a reversible path can ([Schultz2012] §3.5). Nothing asks whether gravity allows it:
-        a jump played backwards looks like none.
-    skeleton, fps : of the result; those of the first recording unless given. For the skeleton a recording on it will do, and
-        what its rest pose alone does not tell is seen there.
-    threshold : largest mean D of a transition; found from the recordings unless given.
-    mapping : joint names by the user, where a skeleton is not understood (see `kinesics.body.anatomy.resolve`).
-    edits : names, merges and splits of states, paths and phrases (see `kinesics.grammar.edits`), by which they may be asked for.
-    progress : called with a fraction now and then; may raise to stop.
-
-    Raises
-    ------
-    InputError
-        If there is no recording, all are single poses (one beside others is left out, which is among the warnings) or of fewer
-        than 8 frames a second, nothing recurs so that there are no transitions, goals contradict
-        each other or cannot be pursued here, a state is unknown, or a number is out of range.
-    SkeletonError
-        If a skeleton cannot be understood as a human body; the message says which recording.
-    """
-    return performance(
-        motions,
-        target=target,
-        radius=radius,
-        route=route,
-        from_state=from_state,
-        to_state=to_state,
-        favour=favour,
-        goal=goal,
-        seconds=seconds,
-        linger=linger,
-        seed=seed,
-        beta=beta,
-        bend=bend,
-        mirrored=mirrored,
-        backwards=backwards,
-        skeleton=skeleton,
-        fps=fps,
-        threshold=threshold,
-        mapping=mapping,
-        edits=edits,
-        progress=progress,
-    ).motion
 
 
 def performance(
@@ -161,20 +67,122 @@ def performance(
     edits: Edits | None = None,
     progress: Progress = silent,
 ) -> Piece:
-    """As `perform`, with all that is known of how the movement came about."""
-    wish = Wish.of(target, route, from_state, to_state, favour, goal, radius)
-    if seconds is not None and not (isinstance(seconds, int | float | np.number) and 0.0 < float(seconds) <= LONGEST):
-        raise InputError(f"Expected `seconds` above 0 and at most {LONGEST:g}, got {seconds!r}.")
-    seed = _whole(seed)
+    """A new movement from recordings, over the transitions between their moments ([Schultz2012] §4.4).
+
+    `kinesics.perform` gives the `Motion` alone: what was chosen stands in its ``assumptions``, what went wrong in its
+    ``warnings``. `kinesics.performance`, of the same parameters, gives a `Piece`: that motion, where every frame of it comes
+    from, what came of the goal, and what was measured.
+
+    Parameters
+    ----------
+    motions : recordings to perform from; one alone will do. Skeletons and frame rates may differ. What is given twice is used once.
+    target : x, z in metres from where the performer starts, facing +z.
+    radius : how near to the target counts as there, metres; .5 unless given.
+    route : corners of a line on the floor to follow, shape (n, 2), x and z in metres from where the performer starts.
+    from_state, to_state : states of the motion graph (`kinesics.graph` of the same recordings names them, such as "A", "A*" or
+        "X~"): begin in the one, and go to the other by the quickest way, on which every transition counts as 3 seconds or more:
+        what was recorded between them is travelled rather than leapt over. The first alone is only where it begins.
+    favour : of what there is to be much: a class ("cyclic-antiphase"), a state ("A*") or a path ("ab_1") of the grammar, a phrase
+        by the name that ``edits`` give it (of one recording also by its kind, "kind 2"), a recording by its name; or a word that
+        stands in the names of recordings, "walk". Where it is not in the largest part of the recordings that holds together, the
+        part with most of it is performed. Beside a target or route it is a soft pull only: of ways about as good the one
+        with more of it is taken.
+    goal : a goal, or several, of `kinesics.synthesis.goals`, or a feature of your own, in place of target and route.
+    seconds : how long. With a goal at most, for it ends when that is attained. Without: 20, or what the goal may take.
+    linger : with a goal and ``seconds``, go on to the end of these when it is attained.
+    seed : of all that is drawn; the same recordings and numbers give the same movement. Where the first way drawn does not lead
+        to the target or along the route, up to seven others are drawn, which may be bent up to four times more; the best is
+        performed.
+    beta : how strictly the goal decides, from a stroll (0) to a beeline (infinite).
+    bend : by how much the way may be bent towards the goal, degrees a metre. Unless given 5, and more where the way to a target
+        becomes far shorter by it.
+    mirrored : whether mirror images of the recordings may be performed.
+    backwards : whether the recordings may be performed backwards, too: where the movement can be passed into from one that runs
+        forwards, pose and velocity alike, as a reversible path can ([Schultz2012] §3.5). Nothing asks whether gravity allows it:
+        a jump played backwards looks like none.
+    skeleton, fps : of the result; those of the first recording unless given. For the skeleton a recording on it will do, and
+        what its rest pose alone does not tell is seen there.
+    threshold : largest mean D of a transition; found from the recordings unless given.
+    mapping : joint names by the user, where a skeleton is not understood (see `kinesics.body.anatomy.resolve`).
+    edits : names, merges and splits of states, paths and phrases (see `kinesics.grammar.edits`), by which they may be asked for.
+    progress : called with a fraction now and then; may raise to stop.
+
+    Raises
+    ------
+    InputError
+        If there is no recording, all are single poses (one beside others is left out, which is among the warnings) or of fewer
+        than 8 frames a second, nothing recurs so that there are no transitions, goals contradict
+        each other or cannot be pursued here, a state is unknown, or a number is out of range.
+    SkeletonError
+        If a skeleton cannot be understood as a human body; the message says which recording.
+    """
+    return fulfil(
+        motions,
+        Request(
+            target=target,
+            radius=radius,
+            route=route,
+            from_state=from_state,
+            to_state=to_state,
+            favour=favour,
+            goal=goal,
+            seconds=seconds,
+            linger=linger,
+            seed=seed,
+            beta=beta,
+            bend=bend,
+            mirrored=mirrored,
+            backwards=backwards,
+            fps=fps,
+            threshold=threshold,
+        ),
+        skeleton=skeleton,
+        mapping=mapping,
+        edits=edits,
+        progress=progress,
+    )
+
+
+def _motion_of(make: Callable[P, Piece]) -> Callable[P, Motion]:
+    """The same call, signature and words, for the movement alone."""
+
+    @functools.wraps(make)
+    def perform(*args: P.args, **named: P.kwargs) -> Motion:
+        return make(*args, **named).motion
+
+    perform.__name__ = perform.__qualname__ = "perform"
+    perform.__annotations__ = {**make.__annotations__, "return": "Motion"}
+    shown = inspect.signature(make).replace(return_annotation="Motion")
+    perform.__signature__ = shown  # type: ignore[attr-defined]
+    return perform
+
+
+perform = _motion_of(performance)
+
+
+def fulfil(
+    motions: Motion | Sequence[Motion],
+    asked: Request,
+    *,
+    skeleton: Skeleton | Motion | None = None,
+    mapping: Mapping[str, object] | None = None,
+    edits: Edits | None = None,
+    progress: Progress = silent,
+) -> Piece:
+    """What is asked for, from recordings: `performance`, for those who have checked what is asked before they read any."""
     given, twice = _given(motions, mapping)
     given, left_out = _usable(given)
     progress(0.0, "bringing the recordings together")
-    stock = repertoire(given, skeleton=skeleton, fps=fps, mirrored=mirrored, backwards=backwards)
-    wish = wish.by_name(given, stock.names)
-    grammar = _grammar(given, wish, stock.names, edits, progress)
+    stock = repertoire(given, skeleton=skeleton, fps=asked.fps, mirrored=asked.mirrored, backwards=asked.backwards)
+    wish, seed, seconds = asked.wish.by_name(given, stock.names), asked.whole_seed, asked.seconds
+    grammar = _grammar(given, wish, stock.names, edits, lambda f, message="": progress(0.1 + 0.1 * f, message))
+    if grammar is not None:
+        check_states(wish, grammar.graph)
     lead = goals.LEAD if wish.to_state is not None else 0.0
     seams = () if grammar is None or wish.from_state is None else labels.state_seams(stock, grammar.graph, lead)
-    found = transitions(stock, threshold=threshold, progress=lambda f, message="": progress(0.2 + 0.39 * f, message))
+    found = transitions(
+        stock, threshold=asked.threshold, progress=lambda f, message="": progress(0.2 + 0.39 * f, message)
+    )
 
     def made(holding: Mask | None) -> Network:
         with warnings.catch_warnings():
@@ -190,36 +198,29 @@ def performance(
     start = _start(net, wish, seed)
     progress(0.6, "looking ahead")
     ahead = prospects(net)
-    most = wish.most_seconds(ahead, seconds, bool(linger))
+    most = wish.most_seconds(ahead, seconds, asked.linger)
     best = best_attempt(
         net,
         wish,
         most,
         seed,
-        finish=wish.ends and not linger,
-        beta=beta,
-        bend=BEND if bend is None else bend,
+        finish=wish.ends and not asked.linger,
+        beta=float(asked.beta),
+        bend=BEND if asked.bend is None else float(asked.bend),
         start=start,
         ahead=ahead,
         again=wish.may_try_again(most, ahead.fastest),
         more_time=seconds is None and ahead.pace >= HARDLY,
-        shorten=bend is None,
+        shorten=asked.bend is None,
         progress=lambda share: progress(0.75 + 0.1 * share, "choosing the way"),
     )
     progress(0.85, "performing")
     done = performed(net, best.course) if best.done is None else best.done
     parameters: dict[str, Any] = {
+        **asked.plain(),
         **wish.plain(),
-        "seconds": seconds,
-        "linger": bool(linger),
-        "seed": seed,
-        "beta": float(beta) if np.isfinite(beta) else "infinite",
-        "bend": None if bend is None else float(bend),
         "bend_used": float(best.bend),
-        "mirrored": bool(mirrored),
-        "backwards": bool(backwards),
         "fps": stock.fps,
-        "threshold": threshold,
     }
     motion = done.motion.replace(
         assumptions=(*twice, *stock.assumptions, *favoured(net, wish), *_chosen(net, parameters, best)),
@@ -324,16 +325,6 @@ def _same(a: Motion, b: Motion) -> bool:
     return all(x is y or (x is not None and y is not None and np.array_equal(x, y)) for x, y in pairs)
 
 
-def _whole(seed: Any) -> int:
-    try:
-        number = int(seed)
-    except (TypeError, ValueError):
-        raise InputError(f"Expected a whole number as `seed`, got {seed!r}.") from None
-    if number != seed or number < 0:
-        raise InputError(f"Expected a whole number of 0 or more as `seed`, got {seed!r}.")
-    return int(number)
-
-
 def _grammar(
     motions: Sequence[Motion], wish: Wish, names: Sequence[str], edits: Edits | None, progress: Progress
 ) -> Grammar | None:
@@ -341,14 +332,14 @@ def _grammar(
     if wish.favour is not None and not names_recordings(wish.favour, names, edits):
         from kinesics.analysis import analyze
 
-        progress(0.1, "reading the grammar")
-        read = analyze(motions, edits=edits)
+        progress(0.0, "reading the grammar")
+        read = analyze(motions, edits=edits, progress=progress)
         return Grammar(read.graph, read.phrases)
     if wish.from_state is not None:
         from kinesics.analysis import joint
 
-        progress(0.1, "reading the grammar")
-        return Grammar(joint.graph(motions, edits=edits), ())
+        progress(0.0, "reading the grammar")
+        return Grammar(joint.graph(motions, edits=edits, progress=progress), ())
     return None
 
 

@@ -60,6 +60,10 @@ LOOKS: Final = 12.0
 LIFTED: Final = 0.05
 """Metres between the root joint and the pelvis from which it is said that the result has the root in the pelvis."""
 
+_WHY_LEAST: Final = (
+    "one recording passes into another within a quarter of a second, which has to hold two frames or more"
+)
+
 
 class FrameStrand(NamedTuple):
     """A moment taken apart."""
@@ -393,21 +397,31 @@ def _said(pair: tuple[str, str]) -> str:
     return f"{first} and {second}"
 
 
+def check_rate(fps: float) -> float:
+    """Frames a second that can be performed at. Raises InputError where ``fps`` is none such."""
+    try:
+        rate = float(fps)
+    except (TypeError, ValueError):
+        raise InputError(f"Expected a frame rate above 0, got `fps` = {fps!r}.") from None
+    if not (math.isfinite(rate) and rate > 0.0):
+        raise InputError(f"Expected a frame rate above 0, got `fps` = {fps!r}.")
+    if rate < LEAST_FPS:
+        raise InputError(
+            f"Expected {LEAST_FPS:g} frames a second or more to perform at, got `fps` = {rate:g}: {_WHY_LEAST}."
+        )
+    if rate > MOST_FPS:
+        raise InputError(f"Expected at most {MOST_FPS:g} frames a second to perform at, got `fps` = {rate:g}.")
+    return rate
+
+
 def _rate(fps: float | None, motions: Sequence[Motion], names: Sequence[str]) -> float:
     """Frames a second of the output."""
-    rate = motions[0].fps if fps is None else float(fps)
-    if not (np.isfinite(rate) and rate > 0):
-        raise InputError(f"Expected a frame rate above 0, got `fps` = {fps}.")
-    why = "one recording passes into another within a quarter of a second, which has to hold two frames or more"
-    if fps is not None and rate < LEAST_FPS:
-        raise InputError(f"Expected {LEAST_FPS:g} frames a second or more to perform at, got `fps` = {rate:g}: {why}.")
-    if fps is not None and rate > MOST_FPS:
-        raise InputError(f"Expected at most {MOST_FPS:g} frames a second to perform at, got `fps` = {rate:g}.")
+    rate = motions[0].fps if fps is None else check_rate(fps)
     for name, motion in zip(names, motions, strict=True):
         if motion.fps < LEAST_FPS:
             raise InputError(
-                f"{name} has {motion.fps:g} frames a second, fewer than the {LEAST_FPS:g} it takes to perform: {why}. If the "
-                "file is wrong about its rate, read it with the right one (`kinesics.read(…, fps=…)`)."
+                f"{name} has {motion.fps:g} frames a second, fewer than the {LEAST_FPS:g} it takes to perform: {_WHY_LEAST}. If "
+                "the file is wrong about its rate, read it with the right one (`kinesics.read(…, fps=…)`)."
             )
     return rate
 

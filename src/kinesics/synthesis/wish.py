@@ -17,7 +17,7 @@ from kinesics.errors import InputError
 from kinesics.synthesis import goals, labels
 from kinesics.synthesis.goals.arguments import check_name, place_of
 from kinesics.synthesis.goals.favours import FAVOURABLE
-from kinesics.synthesis.goals.naming import unusable, with_word
+from kinesics.synthesis.goals.naming import unknown, unusable, with_word
 from kinesics.synthesis.goals.pursuit import listed
 from kinesics.synthesis.network import Network
 from kinesics.synthesis.piece import ASIDE, aside_of, visits
@@ -331,6 +331,14 @@ def names_recordings(word: str, names: Sequence[str], edits: Edits | None) -> bo
         return True
     small = word.isalpha() and word.islower()
     return small and edits is None and word not in tuple(MovementClass) and bool(with_word(word, names))
+
+
+def check_states(wish: Wish, graph: MotionGraph) -> None:
+    """Refuse states that are nowhere in the recordings, before transitions are looked for."""
+    there = {state.label for state in graph.racemic().states}
+    for what, name in (("state to begin in", wish.from_state), ("state to go to", wish.to_state)):
+        if name is not None and name not in there:
+            raise InputError(unknown(what, name, there))
 
 
 def check_names(net: Network, wish: Wish, grammar: Grammar) -> None:
