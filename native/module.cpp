@@ -13,12 +13,15 @@ void bind_smoothing(nb::module_ &m);
 void bind_legs(nb::module_ &m);
 void bind_quaternions(nb::module_ &m);
 void bind_footing(nb::module_ &m);
+void bind_live(nb::module_ &m);
 #ifdef KINESICS_TEXT
 void bind_text(nb::module_ &m);
 #endif
 
 NB_MODULE(_native, m) {
     m.doc() = "Compiled kernels of kinesics; nothing here checks values, its callers do.";
+    // a script that ends while a performance goes on has leaked nothing
+    nb::set_leak_warnings(false);
     bind_similarity(m);
     bind_kinematics(m);
     bind_paths(m);
@@ -29,6 +32,7 @@ NB_MODULE(_native, m) {
     bind_legs(m);
     bind_quaternions(m);
     bind_footing(m);
+    bind_live(m);
 #ifdef KINESICS_TEXT
     bind_text(m);
 #endif

@@ -5,6 +5,8 @@ from numpy.typing import NDArray
 
 _Doubles = NDArray[np.float64]
 _Floats = NDArray[np.float32]
+_Quaternion = tuple[float, float, float, float]
+_Vector = tuple[float, float, float]
 
 class Poses:
     """Poses packed for the pair kernels: float32, weights folded in."""
@@ -181,6 +183,50 @@ def seek_footing(
     out: _Doubles,
 ) -> bool:
     """Fill ``out`` with what is added to both feet and the body where the sum of squares is least; False if there is no least."""
+
+def blended(
+    rotations: _Doubles,
+    offset: _Doubles,
+    velocity: _Doubles,
+    before: _Doubles,
+    after: _Doubles,
+    share: _Doubles,
+    time: float,
+) -> tuple[float, float, float]:
+    """Add what a transition does so many seconds from its cut to ``rotations`` (joints, 4), in place; to the root it adds this."""
+
+def held_in_range(rotations: _Doubles, middle: _Doubles, low: _Doubles, high: _Doubles, first: int) -> None:
+    """Hold ``rotations`` (joints, 4) from joint ``first`` on between the ends of their ranges, in place."""
+
+class Leg:
+    """One leg of one performance, which goes gently: see ``kinesics.synthesis.live_leg``."""
+
+    def __init__(
+        self,
+        at: list[int],
+        above: list[int],
+        middle: list[_Quaternion],
+        low: list[_Vector],
+        high: list[_Vector],
+        most: list[float],
+        hinge: _Vector,
+        seconds: float,
+        brake: float,
+        rounding: float,
+        soft: float,
+        straightest: float,
+        backward: float,
+    ) -> None: ...
+    def reach(
+        self,
+        places: list[_Vector],
+        world: list[_Quaternion],
+        local: list[_Quaternion],
+        sole: list[_Vector],
+        target: _Vector,
+        shift: _Vector,
+        bears: float,
+    ) -> tuple[_Quaternion, _Quaternion, _Quaternion, _Vector, float]: ...
 
 def envelope(values: _Doubles, window: _Doubles, out: _Doubles) -> None:
     """Fill ``out`` with the greatest of ``values`` within half a window, averaged under the window."""

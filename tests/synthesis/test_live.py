@@ -7,6 +7,7 @@ import itertools
 import tracemalloc
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,15 +16,19 @@ import kinesics as kx
 from kinesics.body.skeleton import Skeleton
 from kinesics.errors import InputError
 from kinesics.geometry import quaternion
-from kinesics.synthesis import blending, live, quality
+from kinesics.synthesis import blending, quality
 from kinesics.synthesis.controller import Controller
 from kinesics.synthesis.goals import Economy, MovingTarget, Novelty, Target
 from kinesics.synthesis.live import LiveRenderer, performed
+from kinesics.synthesis.live_blends import Blend, Ranges
+from kinesics.synthesis.live_cuts import Crossing, Cuts
+from kinesics.synthesis.live_poses import Poses
 from kinesics.synthesis.network import Network, network
 from kinesics.synthesis.rehearsal import played
 from kinesics.synthesis.rendering import render
 from kinesics.synthesis.repertoire import repertoire
 from kinesics.synthesis.stage import Stage, seams
+from kinesics.synthesis.treading import Treading
 
 
 def carried(motion: kx.Motion, turns: np.ndarray) -> kx.Motion:
@@ -55,16 +60,16 @@ def test_the_seam_is_that_of_the_whole(
     monkeypatch.setattr("kinesics.synthesis.stage.REACH", reach)
     own = made.repertoire
     stage = Stage.of(own)
-    renderer = LiveRenderer(made, [0], pinned=False)
+    cuts = Cuts(made, stage, Poses(stage, own), Treading(stage))
     last = own.frame_count - 1
     ends = [own.frame_count * strand + frame for strand in range(4) for frame in (0, last)]
     drawn = rng.integers(own.moment_count, size=(60, 2)).tolist()
     for left, first in [*drawn, *zip(ends, reversed(ends), strict=True), *((e, 10) for e in ends)]:
         yaw, turn = rng.uniform(-3.0, 3.0, 2)
-        renderer._turn = yaw
         x, z = rng.uniform(-0.2, 0.2, 2)
         at = (np.array([v]) for v in (left, yaw, first, turn, (x, z)))
-        found, whole = renderer._seam(left, first, turn, complex(z, x)), seams(own, stage.carrier, *at)
+        found = cuts.seam(Crossing(left, first, complex(z, x), yaw, turn, 0.0))
+        whole = seams(own, stage.carrier, *at)
         for one, many, most in zip(found, whole, (1e-7, 1e-5, 1e-7, 1e-5), strict=True):
             assert np.abs(one - many[0]).max() < most
 
@@ -96,16 +101,35 @@ def test_overlapping_transitions_do_not_leap(made: Network) -> None:
     assert overlaps > 3
 
 
-def test_offsets_of_one_frame_are_those_of_many(rng: np.random.Generator) -> None:
-    """Offsets and their sum, of one frame and of three, also of none, of half a turn and of q for −q."""
-    left, entered = quaternion.normalize(rng.normal(size=(2, 3, 31, 4)))
-    entered[:, :4] = left[:, :4] * np.array([1.0, -1.0, 1.0, -1.0])[:, None]
-    entered[:, 4] = quaternion.multiply(left[:, 4], [1e-12, 1.0, 0.0, 0.0])
-    offset = blending.rotation_offset(left, entered)
-    assert np.abs(live._offset(left, entered) - offset).max() < 1e-12
-    assert np.abs(live._offset(left[0], entered) - blending.rotation_offset(left[0], entered)).max() < 1e-12
-    assert not live._offset(left[:, :4], left[:, :4]).any()
-    assert np.abs(live._added(left[1], offset[1]) - blending.add_rotation(left[1], offset[1])).max() < 1e-14
+@pytest.mark.parametrize("plain", ["0", "1"])
+def test_a_transition_adds_what_it_is(rng: np.random.Generator, plain: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Compiled and in NumPy: to rotations and root what blending adds, on both sides of the cut and after its end; and joints
+    that are then beyond their range are at its end, others where they were.
+    """
+    monkeypatch.setenv("KINESICS_NO_NATIVE", plain)
+    own = quaternion.normalize(rng.normal(size=(7, 4)))
+    offset, velocity = rng.normal(0.0, 0.3, (2, 8, 3))
+    before, after, share = rng.uniform(0.1, 0.4, (3, 8))
+    blend = Blend(10, 40, offset, velocity, before[:, None], after[:, None], share[:, None], 0j)
+    for time in (-0.3, -0.05, 0.0, 0.2, 0.5):
+        added = np.stack(
+            [
+                blending.two_sided(offset[k], velocity[k], np.array([time]), blending.Window(b, a, s))[0]
+                for k, (b, a, s) in enumerate(zip(before, after, share, strict=True))
+            ]
+        )
+        rotations = own.copy()
+        assert np.abs(np.array(blend.add(rotations, time)) - added[-1]).max() < 1e-14
+        assert quaternion.angle(rotations, blending.add_rotation(own, added[:-1])).max() < 1e-7
+    stage = SimpleNamespace(
+        carrier=1, middle=quaternion.normalize(own + 0.1), low=np.full((7, 3), -0.1), high=np.full((7, 3), 0.2)
+    )
+    held = rotations.copy()
+    Ranges(stage).hold(held)
+    assert np.array_equal(held[:2], rotations[:2])
+    wanted = np.clip(quaternion.offset(stage.middle, rotations), stage.low, stage.high)[2:]
+    assert (wanted == stage.low[2:]).any()
+    assert np.abs(quaternion.offset(stage.middle, held)[2:] - wanted).max() < 1e-12
 
 
 def test_a_body_is_carried_by_what_its_pelvis_hangs_on(made: Network) -> None:

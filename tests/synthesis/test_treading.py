@@ -60,8 +60,14 @@ def beside_the_twin(made: Network, count: int, rng: np.random.Generator) -> tupl
     return turned, moved, twin.slips
 
 
-def test_treads_like_the_twin(made: Network, rng: np.random.Generator) -> None:
-    """The same rotations and root as the twin's, which places the whole body, also where legs are at their limits."""
+@pytest.mark.parametrize("plain", ["0", "1"])
+def test_treads_like_the_twin(
+    made: Network, rng: np.random.Generator, plain: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The same rotations and root as the twin's, which places the whole body, also where legs are at their limits; with legs
+    that are compiled, and in plain numbers.
+    """
+    monkeypatch.setenv("KINESICS_NO_NATIVE", plain)
     turned, moved, slipped = beside_the_twin(made, 250, rng)
     assert turned < 1e-7
     assert moved < 1e-9

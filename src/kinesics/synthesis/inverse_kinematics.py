@@ -43,7 +43,7 @@ _HINGE_SWING: Final = np.deg2rad(5.0)
 """Standard deviation that a knee must turn by for its axis to be told."""
 _NEXT: Final = [1, 2, 0]
 _LAST: Final = [2, 0, 1]
-_BACKWARD_KNEE: Final = -0.15
+BACKWARD_KNEE: Final = -0.15
 """Radians: knees that bend the wrong way by more are taken to be meant."""
 _NO_TURN: Final[Quaternion] = (1.0, 0.0, 0.0, 0.0)
 
@@ -178,7 +178,7 @@ def _quickly(skeleton: Skeleton, rotations: Array, where: Array, world: Array, t
         np.ascontiguousarray(limbs.hinges),
         SOFT,
         STRAIGHTEST,
-        _BACKWARD_KNEE,
+        BACKWARD_KNEE,
         out,
         misses,
     )
@@ -209,7 +209,7 @@ def _bend_and_swing(hip: Array, knee: Array, ankle: Array, target: Array, hinge:
     # where a bone lies along the hinge, turning about it changes nothing
     turns = size > 1e-12
     angle = np.arccos(np.clip((wanted - c) / np.where(turns, size, 1.0), -1.0, 1.0)) - np.abs(bent)
-    angle = np.where(bent < _BACKWARD_KNEE, -angle, angle)
+    angle = np.where(bent < BACKWARD_KNEE, -angle, angle)
     angle = np.where(turns & (asked != now), angle, 0.0)
     half = 0.5 * angle[..., None]
     bend = np.concatenate([np.cos(half), np.sin(half) * axis], axis=-1)
@@ -240,7 +240,7 @@ def turns(hip: Vector, knee: Vector, ankle: Vector, target: Vector, hinge: Vecto
     wanted = 0.5 * (far * far - l1 * l1 - l2 * l2) * scale - c
     # where a bone lies along the hinge, turning about it changes nothing
     angle = math.acos(min(max(wanted / size, -1.0), 1.0)) - abs(bent) if size > 1e-12 else 0.0
-    if bent < _BACKWARD_KNEE:
+    if bent < BACKWARD_KNEE:
         angle = -angle
     sine = math.sin(0.5 * angle)
     bend = (math.cos(0.5 * angle), sine * hinge[0], sine * hinge[1], sine * hinge[2])

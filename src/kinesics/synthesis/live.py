@@ -5,11 +5,8 @@
 
 from __future__ import annotations
 
-import bisect
-import cmath
 import math
 import operator
-import weakref
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Final, NamedTuple, Protocol, runtime_checkable
@@ -17,29 +14,22 @@ from typing import Final, NamedTuple, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinesics.body import kinematics
 from kinesics.body.motion import Motion
 from kinesics.errors import InputError
-from kinesics.geometry import quaternion, single
-from kinesics.geometry.single import Quaternion, Vector
+from kinesics.geometry import single
 from kinesics.synthesis import blending
 from kinesics.synthesis.foresight import Foresight, Stretch
-from kinesics.synthesis.meeting import meetings
+from kinesics.synthesis.live_blends import Blend, Ranges
+from kinesics.synthesis.live_cuts import Cuts
+from kinesics.synthesis.live_poses import Poses
 from kinesics.synthesis.network import Network
 from kinesics.synthesis.rehearsal import played
 from kinesics.synthesis.rendering import Performance, Provenance
-from kinesics.synthesis.repertoire import BACKWARD_STRANDS, Repertoire
-from kinesics.synthesis.stage import LEAST_TURNING, SPARED, Stage, frames_of_reach
+from kinesics.synthesis.repertoire import BACKWARD_STRANDS
+from kinesics.synthesis.stage import Stage
 from kinesics.synthesis.treading import Treading
 
 Array = NDArray[np.float64]
-
-_UNITS: Final = np.eye(4)
-_MULTIPLIED: Final = quaternion.multiply(_UNITS[:, None], _UNITS).reshape(16, 4)
-"""What the product a·b is made of: the coefficients of each aᵢbⱼ, shape (16, 4)."""
-_UNDONE: Final = quaternion.multiply(quaternion.conjugate(_UNITS)[:, None], _UNITS).reshape(16, 4)
-"""The same of a⁻¹·b."""
-
 
 AHEAD: Final = 0.3
 """Seconds of what comes that are known where nothing else is said: about as long as a human takes to change its mind."""
@@ -48,8 +38,6 @@ _SHORTLY: Final = 3
 LONGEST_AHEAD: Final = 10.0
 """Seconds."""
 _DONE: Final = object()
-_INSTANT: Final = 1e-3
-"""Seconds over which it is told how quickly an offset changes that is known at all times."""
 
 
 class LiveFrame(NamedTuple):
@@ -63,66 +51,6 @@ class LiveFrame(NamedTuple):
     """What it plays: see `kinesics.synthesis.repertoire`."""
     path: int
     """The path in which it does."""
-
-
-class _Blend(NamedTuple):
-    """A transition."""
-
-    cut: int
-    """The frame at which another recording is entered."""
-    ends: int
-    offset: Array
-    """Of joints and root, shape (joints + 1, 3)."""
-    velocity: Array
-    before: Array
-    """Seconds that each takes to either side of the cut, shape (joints + 1, 1)."""
-    after: Array
-    share: Array
-    """Of the offset that each bears before the cut."""
-    leap: complex
-    """By how much what is then performed lies beside where its feet would stand where those stand that are left, z + i·x."""
-
-    def at(self, time: float) -> Array:
-        """What it adds so many seconds from the cut: `kinesics.synthesis.blending.two_sided`."""
-        if time < 0.0:
-            share, span, time = self.share, self.before, -time
-            way = -span
-        else:
-            share, span = self.share - 1.0, self.after
-            way = span
-        t = np.minimum(time / span, 1.0)
-        rest = 1.0 - t
-        cube = share * rest * rest * rest
-        return np.asarray(
-            (cube * (1.0 + t * (3.0 + 6.0 * t))) * self.offset + (cube * way * t * (1.0 + 3.0 * t)) * self.velocity
-        )
-
-
-class _Crossing(NamedTuple):
-    """From one recording into another."""
-
-    left: int
-    """The moment with which what is left would have gone on."""
-    first: int
-    """The one that is entered."""
-    aside: complex
-    """By which its root lies elsewhere, z + i·x, metres."""
-    turn: float
-    """By which it is turned about the vertical, radians."""
-    met: float
-    """By which it faces elsewhere."""
-    seam: _Seam
-
-
-class _Seam(NamedTuple):
-    """By how much what is entered differs from what is left, and how quickly that changes: `kinesics.synthesis.stage.Seams`."""
-
-    offset: Array
-    """Of joints and root, shape (joints + 1, 3)."""
-    velocity: Array
-    places: Array
-    """Of the joints' places, shape (joints, 3)."""
-    moving: Array
 
 
 @runtime_checkable
@@ -189,18 +117,12 @@ class LiveRenderer:
         self.network, self.pinned = network, pinned
         self.stage = Stage.of(network.repertoire)
         self._paths = iter(paths)
+        own = played(self.stage) if pinned else network.repertoire
         self._treading = Treading(self.stage)
-        self._played = played(self.stage) if pinned else network.repertoire
-        self._met = _met(network, self._played)
+        self._poses = Poses(self.stage, own)
+        self._cuts = Cuts(network, self.stage, self._poses, self._treading)
+        self._ranges = Ranges(self.stage)
         self._foresight = Foresight.of(self.stage)
-        # joints that the body's carrier hangs on, from the root on
-        self._above: list[int] = []
-        joint = self.stage.carrier
-        while joint > 0:
-            joint = network.repertoire.skeleton.parents[joint]
-            self._above.insert(0, joint)
-        self._starts = network.repertoire.starts.tolist()
-        self._reach = frames_of_reach(network.repertoire.fps)
         network.edges(0, 0), network.onward  # tables that are made when first asked for
         self.path = -1
         """Number of the path that is being performed, −1 before the first frame."""
@@ -218,14 +140,7 @@ class LiveRenderer:
         self._ended = False
         self._ahead = round(ahead * network.repertoire.fps)
         self._frame = self._reaches = 0
-        self._blends: list[_Blend] = []
-        stage, which = self.stage, self.stage.blended
-        self._spared = SPARED * np.concatenate([stage.accelerations[which], stage.places])
-        self._loose = np.ones(len(stage.accelerations), dtype=np.bool_)
-        self._loose[which] = False
-        # what each may be accelerated by that may take a time of its own
-        self._slowly = np.maximum(SPARED * stage.accelerations, LEAST_TURNING)
-        self._slowly[stage.lower] = np.inf
+        self._blends: list[Blend] = []
 
     @property
     def place(self) -> Array:
@@ -257,12 +172,14 @@ class LiveRenderer:
         image, frame = playing.image, playing.frame + self._at * playing.onward
         self.path, self.moment = playing.path, playing.moment + self._at * playing.onward
         turn = playing.turn + self._at * playing.bend
-        rotations, root = self._pose(image, frame, turn, playing.places[self._at])
+        rotations, root = self._poses.at(image, frame, turn, playing.places[self._at])
         if self._blends:
-            for added in self._added():
-                rotations = _added(rotations, added[:-1])
-                root = single.add(root, _vector(added[-1]))
-            rotations = self._inside(rotations)
+            if self._blends[0].ends <= self._frame:
+                self._blends = [blend for blend in self._blends if blend.ends > self._frame]
+            for blend in self._blends:
+                added = blend.add(rotations, (self._frame - blend.cut) / self.network.repertoire.fps)
+                root = single.add(root, added)
+            self._ranges.hold(rotations)
         if self.pinned:
             for blend in self._blends:
                 if blend.cut == self._frame:
@@ -306,22 +223,6 @@ class LiveRenderer:
                 else:
                     self._under_way = self._over(path, bend)
 
-    def _added(self) -> list[Array]:
-        """What each transition adds to joints and root, the earliest first, shape (joints + 1, 3) each."""
-        if self._blends[0].ends <= self._frame:
-            self._blends = [blend for blend in self._blends if blend.ends > self._frame]
-        return [blend.at((self._frame - blend.cut) / self.network.repertoire.fps) for blend in self._blends]
-
-    def _faced(self, rotations: Array, turn: float) -> Quaternion:
-        """The rotation of the joint that a body hangs on, turned about the vertical: see `turn_bodies`."""
-        yaw: Quaternion = (math.cos(0.5 * turn), 0.0, math.sin(0.5 * turn), 0.0)
-        if self._above:
-            above, *others = (_plain(rotations[joint]) for joint in self._above)
-            for q in others:
-                above = single.multiply(above, q)
-            yaw = single.undo(above, single.multiply(yaw, above))
-        return single.multiply(yaw, _plain(rotations[self.stage.carrier]))
-
     def _checked(self, chosen: int | tuple[int, float]) -> tuple[int, float]:
         """A path and its bend, if it is one and may be next."""
         network = self.network
@@ -350,7 +251,7 @@ class LiveRenderer:
         image, onward = strand % 2, -1 if BACKWARD_STRANDS[strand] else 1
         bent = bend / length
         frames = frame + onward * np.arange(length + 1)
-        roots = self._played.root_positions[image, frames]
+        roots = self._poses.own.root_positions[image, frames]
         moved = np.diff(roots[:, 2] + 1j * roots[:, 0]) * np.exp(1j * (self._turn + bent * (np.arange(length) + 0.5)))
         places = self._laid + np.concatenate([[0j], np.cumsum(moved)])
         self._known.append(Stretch(path, first, image, frame, onward, length, self._turn, bent, places[:-1].tolist()))
@@ -367,129 +268,21 @@ class LiveRenderer:
 
     def _over(self, path: int, bend: float) -> Iterator[None]:
         """Get ready for a path of another recording; in parts."""
-        crossing = self._crossed(path)
+        crossing = self._cuts.crossing(self._last, path, self._turn, self.heading)
+        seam = self._cuts.seam(crossing)
         yield
-        self._cut(crossing)
+        leap = self._cuts.leap(crossing) if self.pinned else 0j
+        earlier = self._blends[-1] if self._blends and self._blends[-1].ends > self._reaches else None
+        blend = self._cuts.blend(seam, leap, self._reaches, self._reaches - self._frame, earlier)
+        if earlier is not None:
+            # what remains of the transition before ends here
+            self._blends[-1] = earlier._replace(ends=self._reaches)
+        self._blends.append(blend)
+        self._turn = crossing.turn
+        self._laid += crossing.aside
+        self.heading += crossing.met
         yield
         self._lay(path, bend)
-
-    def _crossed(self, path: int) -> _Crossing:
-        """How a path of another recording is gone over into."""
-        network, repertoire = self.network, self.network.repertoire
-        left, first = int(network.onward[self._last]), int(network.first[path])
-        # how the two meet: as the controller and `kinesics.synthesis.rendering` have it
-        edge = int(network.edges(self._last, path))
-        place, met = complex(self._met[0][edge]), float(self._met[1][edge])
-        aside = place * cmath.exp(1j * self.heading)
-        turn = self._turn + float(repertoire.yaw_of(left)) + met - float(repertoire.yaw_of(first))
-        return _Crossing(left, first, aside, turn, met, self._seam(left, first, turn, aside))
-
-    def _cut(self, crossing: _Crossing) -> None:
-        """Go over into what is entered."""
-        stage, fps = self.stage, self.network.repertoire.fps
-        left, first, aside, turn, met, (offset, velocity, places, moving) = crossing
-        leap = self._apart(left, first, turn, aside) if self.pinned else 0j
-        stays = np.array([leap.imag, 0.0, leap.real])
-        offset[-1] -= stays
-        self._laid += aside
-        self.heading += met
-        if self._blends and self._blends[-1].ends > self._reaches:
-            # what remains of the transition before ends here
-            earlier = self._blends[-1]
-            since = (self._reaches - earlier.cut) / fps
-            offset, velocity = _absorbed(offset, velocity, earlier, since)
-            self._blends[-1] = earlier._replace(ends=self._reaches)
-        which = stage.blended
-        half = blending.window(
-            _sizes(np.concatenate([offset[which], places - stays])),
-            _sizes(np.concatenate([velocity[which], moving])),
-            self._spared,
-        ).after
-        before = min(half, (self._reaches - self._frame) / fps)
-        # what there is no time for before the cut has to be done after it
-        after = min(math.sqrt(2.0 * half * half - before * before), blending.LONGEST)
-        share = before * before / (before * before + after * after)
-        window = blending.Window(before, after, share)
-        velocity, pace = blending.at_their_own_pace(offset, velocity, window, self._loose, self._slowly)
-        # what takes longer cannot have begun before it was known
-        early, late = before * np.minimum(pace, 1.0), after * pace
-        shares = early * early / (early * early + late * late)
-        ends = self._reaches + math.ceil(float(late.max()) * fps)
-        spans = np.maximum(early, _INSTANT)[:, None], late[:, None]
-        self._blends.append(_Blend(self._reaches, ends, offset, velocity, *spans, shares[:, None], leap))
-        self._turn = turn
-
-    def _seam(self, left: int, first: int, turn: float, aside: complex) -> _Seam:
-        """`kinesics.synthesis.stage.seams` of one cut."""
-        repertoire, fps = self._played, self._played.fps
-        (image, here), (entered, there) = self._around(left), self._around(first)
-        reached = [a >= 0 and b >= 0 for a, b in zip(here, there, strict=True)]
-        # where either recording does not reach, the moment itself stands for the one beside it
-        here = [a if both else here[1] for a, both in zip(here, reached, strict=True)]
-        there = [b if both else there[1] for b, both in zip(there, reached, strict=True)]
-        old, new = repertoire.rotations[image, here], repertoire.rotations[entered, there]
-        places = repertoire.root_positions
-        offsets = np.empty((3, old.shape[1] + 1, 3))
-        offsets[:, :-1] = _offset(old, new)
-        roots = places[image, here].tolist(), places[entered, there].tolist()
-        carrier = self.stage.carrier
-        stood = np.empty((6, 3))
-        for k, (before, after) in enumerate(zip(*roots, strict=True)):
-            own, other = self._faced(old[k], self._turn), self._faced(new[k], turn)
-            offsets[k, carrier] = single.as_rotvec(single.undo(own, other))
-            old[k, carrier], new[k, carrier] = own, other
-            stood[k], stood[k + 3] = _turned(before, self._turn), _turned(after, turn)
-        offsets[:, -1] = stood[3:] - stood[:3]
-        body = kinematics.forward(repertoire.skeleton, np.concatenate([old, new]), stood).positions
-        away = body[3:] - body[:3]
-        earlier, now, later = offsets
-        span = self._reach * (reached[0] + reached[2])
-        change, moving = later - earlier, away[2] - away[0]
-        velocity = change * (fps / span) if span else np.zeros_like(change)
-        # a rotation vector leaps where it passes half a turn; such an offset has no velocity that could be told
-        velocity[np.einsum("ij,ij->i", change, change) >= 4.0] = 0.0
-        apart = away[1] - now[-1]
-        now[-1, 0], now[-1, 2] = aside.imag, aside.real
-        return _Seam(now, velocity, apart + now[-1], moving * (fps / span) if span else np.zeros_like(moving))
-
-    def _apart(self, left: int, first: int, turn: float, aside: complex) -> complex:
-        """By how much bearing feet stand elsewhere in what is entered."""
-        poses: list[tuple[Array, Vector]] = []
-        borne = [1.0, 1.0]
-        for moment, yaw, place in ((left, self._turn, 0j), (first, turn, aside)):
-            strand, frame = divmod(moment, self.network.repertoire.frame_count)
-            image = strand % 2
-            rotations, (x, y, z) = self._pose(image, frame, yaw, place)
-            poses.append((rotations, (x, y, z)))
-            borne = [a * b for a, b in zip(borne, self._treading.held(image, frame), strict=True)]
-        return self._treading.apart(poses[0], poses[1], borne)
-
-    def _pose(self, image: int, frame: int, turn: float, place: complex) -> tuple[Array, Vector]:
-        """What is performed in a frame, turned and put in its place: rotations (joints, 4), and where the root is."""
-        own = self._played
-        rotations = own.rotations[image, frame].copy()
-        root: Vector = (place.imag, float(own.root_positions[image, frame, 1]), place.real)
-        rotations[self.stage.carrier] = self._faced(rotations, turn)
-        return rotations, root
-
-    def _around(self, moment: int) -> tuple[int, list[int]]:
-        """Which image a moment plays, and the frames before, at and after it, −1 where its recording does not reach."""
-        strand, frame = divmod(moment, self.network.repertoire.frame_count)
-        k = bisect.bisect_right(self._starts, frame)
-        step = -self._reach if BACKWARD_STRANDS[strand] else self._reach
-        inside = range(self._starts[k - 1], self._starts[k])
-        return strand % 2, [f if f in inside else -1 for f in (frame - step, frame, frame + step)]
-
-    def _inside(self, rotations: Array) -> Array:
-        """Joints of the body within their range, shape (joints, 4)."""
-        stage = self.stage
-        vectors = _offset(stage.middle, rotations)
-        beyond = np.any((vectors < stage.low) | (vectors > stage.high), axis=-1)
-        beyond[: stage.carrier + 1] = False
-        if beyond.any():
-            held = np.clip(vectors[beyond], stage.low[beyond], stage.high[beyond])
-            rotations[beyond] = blending.add_rotation(stage.middle[beyond], held)
-        return rotations
 
 
 def performed(network: Network, frames: Sequence[LiveFrame], *, name: str = "live") -> Performance:
@@ -549,73 +342,3 @@ def performed(network: Network, frames: Sequence[LiveFrame], *, name: str = "liv
         np.zeros(count),
         zero,
     )
-
-
-_meetings: weakref.WeakKeyDictionary[Network, tuple[NDArray[np.complex128], Array]] = weakref.WeakKeyDictionary()
-
-
-def _met(network: Network, played: Repertoire) -> tuple[NDArray[np.complex128], Array]:
-    """`Network.met`, of moments with their feet where they are played; made once and kept as long as the network is."""
-    if network.meeting is None or played is network.repertoire:
-        return network.met
-    if network not in _meetings:
-        place, turn = network.met[0].copy(), network.met[1].copy()
-        jumps = np.flatnonzero(network.cost > 0.0)
-        owners = np.searchsorted(network.indptr, jumps, side="right") - 1
-        met = meetings(played, network.onward[owners], network.first[network.indices[jumps]])
-        place[jumps], turn[jumps] = met.place[:, 1] + 1j * met.place[:, 0], met.turn
-        _meetings[network] = place, turn
-    return _meetings[network]
-
-
-def _offset(left: Array, entered: Array) -> Array:
-    """`kinesics.synthesis.blending.rotation_offset` of one frame or three: fewer steps, more memory for each rotation."""
-    q = (left[..., :, None] * entered[..., None, :]).reshape(*entered.shape[:-1], 16) @ _UNDONE
-    w, vector = q[..., 0], q[..., 1:]
-    sin_half = np.sqrt(np.einsum("...i,...i->...", vector, vector))
-    scale = 2.0 * np.arctan2(sin_half, np.abs(w)) / np.maximum(sin_half, 1e-150)
-    return np.asarray(np.copysign(scale, w)[..., None] * vector)
-
-
-def _added(q: Array, offset: Array) -> Array:
-    """The same of `kinesics.synthesis.blending.add_rotation`."""
-    return np.asarray((q[..., :, None] * _turns(offset)[..., None, :]).reshape(*q.shape[:-1], 16) @ _MULTIPLIED)
-
-
-def _turns(vectors: Array) -> Array:
-    """The same of `quaternion.from_rotvec`."""
-    angle = np.sqrt(np.einsum("...i,...i->...", vectors, vectors))
-    out = np.empty((*vectors.shape[:-1], 4))
-    out[..., 0] = np.cos(0.5 * angle)
-    out[..., 1:] = (np.sin(0.5 * angle) / np.maximum(angle, 1e-150))[..., None] * vectors
-    return out
-
-
-def _sizes(vectors: Array) -> Array:
-    return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)))
-
-
-def _absorbed(offset: Array, velocity: Array, earlier: _Blend, since: float) -> tuple[Array, Array]:
-    """`kinesics.synthesis.blending.absorbed`."""
-    remains = np.stack([earlier.at(since + time) for time in (-_INSTANT, 0.0, _INSTANT)])
-    apart = offset + np.array([-_INSTANT, 0.0, _INSTANT])[:, None, None] * velocity
-    gone, turned = (_turns(vectors[:, :-1]) for vectors in (remains, apart))
-    apart[:, :-1] = _offset(gone, turned)
-    apart[:, -1] -= remains[:, -1]
-    return apart[1], (apart[2] - apart[0]) / (2.0 * _INSTANT)
-
-
-def _vector(values: Array) -> Vector:
-    x, y, z = values.tolist()
-    return x, y, z
-
-
-def _plain(rotation: Array) -> Quaternion:
-    w, x, y, z = rotation.tolist()
-    return w, x, y, z
-
-
-def _turned(place: Sequence[float], yaw: float) -> Vector:
-    """A place turned about the vertical."""
-    cosine, sine = math.cos(yaw), math.sin(yaw)
-    return cosine * place[0] + sine * place[2], place[1], -sine * place[0] + cosine * place[2]

@@ -4,10 +4,10 @@ What is played has its feet on the ground (`kinesics.synthesis.rehearsal`); tran
 stays where it came down, and the body goes along with it; one that swings comes back to its place in what is played, and the
 body with it, step by step. At a cut the body stays over the feet that bear, wherever those of the recording entered stand.
 Nothing snaps: what is added to the body's place and to the rotations of the legs goes after what is asked no more quickly than
-the recordings accelerate the same (`_Gently`), the body half as quickly: it moves as played besides. No joint leaves its range;
+the recordings accelerate the same (`Gently`), the body half as quickly: it moves as played besides. No joint leaves its range;
 what a leg then lacks, its foot slides.
 `kinesics.synthesis.planting` does it for a whole performance at once. Here it is done in plain numbers, and for the joints
-between root and soles alone: see `kinesics.geometry.single`.
+between root and soles alone: see `kinesics.geometry.single`; how a leg reaches, `kinesics.synthesis.live_leg`.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable, Sequence
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,10 +24,10 @@ from kinesics.geometry import single
 from kinesics.geometry.single import Quaternion, Vector
 from kinesics.synthesis import inverse_kinematics
 from kinesics.synthesis.foresight import Coming, Foresight
+from kinesics.synthesis.live_leg import Gently, Leg, leg
 from kinesics.synthesis.repertoire import Repertoire
 from kinesics.synthesis.stage import (
     BEARING,
-    LEAST_TURNING,
     LIFT,
     RELEASE,
     SINK,
@@ -62,16 +62,11 @@ SHORTEST_GAP: Final = 0.13
 """Seconds: no foot is lifted for less."""
 _FLIGHT: Final = 0.05
 """What weighs for no shift at all, so that a body in flight comes back."""
-_ROUNDING: Final = 1e-9
-"""Radians."""
-_BRAKE: Final = 0.5
-"""Share of the acceleration that there may be which is counted on for stopping: what is gone after may turn round."""
 _LEAST_STOPPED: Final = 10.0
 """m/s² that a foot is stopped by as it comes down, and started by as it is lifted, also where those recorded hardly move; else as
 quickly as those are."""
 _STRETCH: Final = 0.1
 """Seconds in which the leg of a foot that comes down is stretched as far as its foot asks, by two thirds."""
-_NOWHERE: Final[Vector] = (0.0, 0.0, 0.0)
 
 
 class Treading:
@@ -90,8 +85,9 @@ class Treading:
         self._links = [(place[skeleton.parents[j]], _vector(skeleton.offsets[j])) for j in joints[1:]]
         self._feet = [
             _Foot(
-                tuple(_Limb.of(stage, group[k], place) for group in (legs.femurs, legs.tibias, legs.feet)),
-                _vector(legs.hinges[k]),
+                leg(stage, k, place),
+                [legs.femurs[k], legs.tibias[k], legs.feet[k]],
+                place,
                 [(place[int(j)], _vector(v)) for j, v in zip(soles.joints[k], soles.offsets[k], strict=True)],
                 stage.levels[k].tolist(),
                 1.0 / fps,
@@ -100,7 +96,7 @@ class Treading:
             for k in (0, 1)
         ]
         self._lean_x = self._lean_z = self._drop = 0.0
-        self._body, self._raised = (_Gently(SPARED * stage.usual.body, 1.0 / fps) for _ in (0, 1))
+        self._body, self._raised = (Gently(SPARED * stage.usual.body, 1.0 / fps) for _ in (0, 1))
         self._follows = _eased(1.0 / fps, _FOLLOWED)
         self._leans = _eased(1.0 / fps, LIVE_LEAN)
         self._sinks, self._sinks_quickly = _eased(1.0 / fps, SINK), _eased(1.0 / fps, 0.25 * SINK)
@@ -131,8 +127,7 @@ class Treading:
             self._lean_x += self._follows * foot.hold * x
             self._lean_z += self._follows * foot.hold * z
             lowest = min(lowest, under)
-            for limb in foot.limbs:
-                rotations[limb.joint] = local[limb.at]
+            rotations[foot.joints] = foot.rotations
         _, raised, _ = self._raised.follow((0.0, max(-lowest - SUNK, 0.0), 0.0))
         return root[0] + shift[0], root[1] + shift[1] + max(raised, -lowest - _DEEPEST), root[2] + shift[2]
 
@@ -181,104 +176,25 @@ class Treading:
         return places, world
 
 
-class _Gently:
-    """Goes after a point as closely as it can without being accelerated more than it may be."""
-
-    def __init__(self, most: float, dt: float) -> None:
-        self._dt, self._most, self._leap = dt, most, most * dt
-        self._aim: Vector | None = None
-        self._at = self._velocity = _NOWHERE
-
-    def leap(self, by: Vector) -> None:
-        """Be elsewhere, and whatever is gone after too."""
-        if self._aim is not None:
-            self._aim, self._at = single.add(self._aim, by), single.add(self._at, by)
-
-    def follow(self, aim: Vector) -> Vector:
-        """Where it is, when the point is at ``aim``; at once where it begins."""
-        dt, before = self._dt, self._aim
-        self._aim = aim
-        if before is None:
-            self._at = aim
-            return aim
-        behind = single.subtract(before, self._at)
-        far = single.length(behind)
-        # no faster than it can stop there; within the last frame right there
-        most = _BRAKE * self._most
-        brake = 0.5 * dt * most
-        speed = min(far / dt, math.sqrt(brake * brake + 2.0 * most * far) - brake)
-        closer = speed / far if far > 1e-12 else 0.0
-        vx, vy, vz = self._velocity
-        change = (
-            (aim[0] - before[0]) / dt + closer * behind[0] - vx,
-            (aim[1] - before[1]) / dt + closer * behind[1] - vy,
-            (aim[2] - before[2]) / dt + closer * behind[2] - vz,
-        )
-        asked = single.length(change)
-        share = self._leap / asked if asked > self._leap else 1.0
-        vx, vy, vz = vx + share * change[0], vy + share * change[1], vz + share * change[2]
-        self._velocity = (vx, vy, vz)
-        x, y, z = self._at
-        self._at = (x + vx * dt, y + vy * dt, z + vz * dt)
-        return self._at
-
-
-class _Limb(NamedTuple):
-    """A joint of a leg."""
-
-    joint: int
-    """Of the skeleton."""
-    at: int
-    """Among the joints between root and soles."""
-    above: int
-    """The same of its parent."""
-    middle: Quaternion
-    low: Vector
-    """Least and greatest component of its rotation vector from there: its range, and what limits are known to, radians."""
-    high: Vector
-    turned: _Gently
-    """By how much it is turned from the recording."""
-
-    @classmethod
-    def of(cls, stage: Stage, joint: int, place: dict[int, int]) -> _Limb:
-        parent = stage.repertoire.skeleton.parents[joint]
-        middle: Quaternion = tuple(stage.middle[joint].tolist())
-        low, high = stage.low[joint], stage.high[joint]
-        most = max(float(stage.accelerations[joint]), LEAST_TURNING)
-        turned = _Gently(most, 1.0 / stage.repertoire.fps)
-        return cls(joint, place[joint], place[parent], middle, _vector(low), _vector(high), turned)
-
-    def toward(self, own: Quaternion, wanted: Quaternion) -> Quaternion:
-        """As near as it goes to the rotation wanted in place of its own."""
-        turn = single.as_rotvec(single.undo(own, self.inside(wanted)))
-        return self.inside(single.multiply(own, single.from_rotvec(self.turned.follow(turn))))
-
-    def inside(self, q: Quaternion) -> Quaternion:
-        """A rotation within the joint's range."""
-        x, y, z = single.as_rotvec(single.undo(self.middle, q))
-        (ax, ay, az), (bx, by, bz) = self.low, self.high
-        held = (min(max(x, ax), bx), min(max(y, ay), by), min(max(z, az), bz))
-        # a joint that was held stands at the end of its range: rounding is not to decide whether it is held again
-        if abs(held[0] - x) + abs(held[1] - y) + abs(held[2] - z) < _ROUNDING:
-            return q
-        return single.multiply(self.middle, single.from_rotvec(held))
-
-
 class _Foot:
     """One foot that is kept in place, and the leg that bears it."""
 
     def __init__(
         self,
-        limbs: tuple[_Limb, ...],
-        hinge: Vector,
+        its: Leg,
+        joints: list[int],
+        place: dict[int, int],
         points: list[tuple[int, Vector]],
         levels: list[float],
         dt: float,
         quick: float,
     ) -> None:
-        self.limbs = limbs
-        self.hip, self.knee, self.ankle = limbs
-        self._hinge, self._points, self._levels = hinge, points, levels
+        self._leg, self.joints = its, joints
+        """Hip, knee and ankle in the skeleton."""
+        self._hip, self._knee, self._ankle = (place[joint] for joint in joints)
+        self.rotations: list[Quaternion] = []
+        """Of these, as the leg reached last."""
+        self._points, self._levels = points, levels
         self._slips, self._stretches = _eased(dt, _SLIPPED), _eased(dt, _STRETCH)
         self._dt, self._steady = dt, quick * dt
         self._releases, self._grasps, self._softly = dt / RELEASE, dt / _GRASP, _eased(dt, SOFTLY)
@@ -330,7 +246,7 @@ class _Foot:
         self._bears += self._stretches * (float(coming.seconds < _STRETCH) - self._bears)
         self._lift += self._softly * (near * (coming.height - lowest) - self._lift)
         lift = max(self._lift, -lowest - SUNK)
-        self.target = single.add(places[self.ankle.at], (self.shift.imag, lift, self.shift.real))
+        self.target = single.add(places[self._ankle], (self.shift.imag, lift, self.shift.real))
 
     def slid(self, before: list[Vector], after: list[Vector]) -> complex:
         """How far the bearing part of a sole moved over the floor, z + i·x, metres: see `kinesics.synthesis.stage.bearing`."""
@@ -384,7 +300,7 @@ class _Foot:
 
     def shortfall(self, places: list[Vector], lean_x: float, lean_z: float) -> float:
         """`kinesics.synthesis.stage.shortfall` of a body that leans, metres."""
-        hip, knee, ankle = (places[limb.at] for limb in self.limbs)
+        hip, knee, ankle = places[self._hip], places[self._knee], places[self._ankle]
         length = single.length(single.subtract(knee, hip)) + single.length(single.subtract(ankle, knee))
         now = single.length(single.subtract(ankle, hip))
         most = min(max(now, inverse_kinematics.SOFT * length), inverse_kinematics.STRAIGHTEST * length)
@@ -398,47 +314,12 @@ class _Foot:
 
         Returns what the ankle falls short of, and the height of the lowest point of the sole, metres.
         """
-        hip, knee, ankle = self.limbs
-        at = single.add(places[hip.at], shift)
-        upper = single.subtract(places[knee.at], places[hip.at])
-        lower = single.subtract(places[ankle.at], places[knee.at])
-        middle = single.add(at, upper)
-        now, aim = single.length(single.add(upper, lower)), single.subtract(self.target, at)
-        asked, target = single.length(aim), self.target
-        if asked > now:
-            # a leg that swings is not stretched for what its foot cannot reach
-            share = (now + self._bears * (asked - now)) / asked
-            target = single.add(at, (share * aim[0], share * aim[1], share * aim[2]))
-        bend, _ = inverse_kinematics.turns(
-            at, middle, single.add(middle, lower), target, single.rotate(world[knee.at], self._hinge)
+        hip, knee, ankle, missed, lowest = self._leg.reach(
+            places, world, local, self._sole, self.target, shift, self._bears
         )
-        # each is the old world orientation, turned, seen from its parent, turned or not; the foot's is as it was
-        above = world[knee.above]
-        wanted = single.undo(above, single.multiply(bend, world[knee.at]))
-        local[knee.at] = knee.toward(local[knee.at], wanted)
-        bent = _turn(world[knee.at], single.multiply(above, local[knee.at]))
-        # the leg as it was bent points to the target, be that nearer or farther than it reaches
-        lower = single.rotate(bent, lower)
-        swing = single.least_turn(single.add(upper, lower), single.subtract(self.target, at))
-        above = world[hip.above]
-        wanted = single.undo(above, single.multiply(swing, world[hip.at]))
-        local[hip.at] = hip.toward(local[hip.at], wanted)
-        swung = _turn(world[hip.at], single.multiply(above, local[hip.at]))
-        bent = single.multiply(swung, bent)
-        above = single.multiply(bent, world[ankle.above])
-        local[ankle.at] = ankle.toward(local[ankle.at], single.undo(above, world[ankle.at]))
-        tipped = _turn(world[ankle.at], single.multiply(above, local[ankle.at]))
-        reached = single.add(at, single.rotate(swung, single.add(upper, lower)))
-        lowest = min(single.rotate(tipped, single.subtract(point, places[ankle.at]))[1] for point in self._sole)
-        missed = single.subtract(self.target, reached)
+        self.rotations = [hip, knee, ankle]
         self.shift -= self._slips * complex(missed[2], missed[0])
-        return missed, reached[1] + lowest
-
-
-def _turn(before: Quaternion, after: Quaternion) -> Quaternion:
-    """What turns one orientation in the world into the other."""
-    w, x, y, z = before
-    return single.multiply(after, (w, -x, -y, -z))
+        return missed, lowest
 
 
 def _hanging(parents: Sequence[int], joints: Iterable[int]) -> list[int]:
