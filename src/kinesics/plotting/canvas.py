@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import io
 import os
-import warnings
 import zlib
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -15,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.errors import InputError
+from kinesics.plotting.letters import UNKNOWN, drawable, lettering
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -55,17 +53,9 @@ def figure_bytes(figure: Figure, suffix: str) -> bytes:
     if suffix == ".png":
         return _png(figure)
     stream = io.BytesIO()
-    with matplotlib.rc_context({"svg.hashsalt": "kinesics", "svg.fonttype": "path"}), _strange_letters():
+    with matplotlib.rc_context({"svg.hashsalt": "kinesics", "svg.fonttype": "path"}), drawable(figure):
         figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
     return stream.getvalue()
-
-
-@contextmanager
-def _strange_letters() -> Iterator[None]:
-    """Names of files may hold letters that the font lacks: they are drawn as boxes, and nothing is said on stderr."""
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", message="Glyph .* missing from", category=UserWarning)
-        yield
 
 
 def _png(figure: Figure) -> bytes:
@@ -74,7 +64,7 @@ def _png(figure: Figure) -> bytes:
 
     stream = io.BytesIO()
     paper: Any = FigureCanvasAgg(figure)  # matplotlib types it in part
-    with _strange_letters():
+    with drawable(figure):
         paper.draw()
     pixels = np.asarray(paper.buffer_rgba())
     picture = Image.fromarray(pixels if (pixels[..., 3] < 255).any() else np.ascontiguousarray(pixels[..., :3]))
@@ -131,30 +121,31 @@ def title_lines(text: str, inches: float, size: float, *, most: int) -> list[str
     from matplotlib.font_manager import FontProperties
     from matplotlib.textpath import TextToPath
 
-    font, measure = FontProperties(size=size), TextToPath()
+    known = lettering(text)
+    font = FontProperties(family=[*FontProperties().get_family(), *known.families], size=size)
+    measure, drawn = TextToPath(), str.maketrans(dict.fromkeys(known.lacking, UNKNOWN))
 
     def fits(line: str) -> bool:
-        width, _, _ = measure.get_text_width_height_descent(line, font, ismath=False)
+        width, _, _ = measure.get_text_width_height_descent(line.translate(drawn), font, ismath=False)
         # letters are put on whole pixels as they are drawn
         return bool(1.03 * width <= 72.0 * inches)
 
     lines: list[str] = []
     rest = text.strip()
-    with _strange_letters():
-        while rest:
-            if fits(rest):
-                return [*lines, rest]
-            if len(lines) == most - 1:
-                return [
-                    *lines,
-                    next((f"{rest[:n].rstrip()} …" for n in range(len(rest), 0, -1) if fits(f"{rest[:n]} …")), "…"),
-                ]
-            room = next((n for n in range(len(rest), 1, -1) if fits(rest[:n])), 1)
-            end = rest.rfind(" ", 0, room + 1)
-            # a long word is broken rather than half a line left empty
-            end = end if end > room // 2 else room
-            lines.append(rest[:end].rstrip())
-            rest = rest[end:].lstrip()
+    while rest:
+        if fits(rest):
+            return [*lines, rest]
+        if len(lines) == most - 1:
+            return [
+                *lines,
+                next((f"{rest[:n].rstrip()} …" for n in range(len(rest), 0, -1) if fits(f"{rest[:n]} …")), "…"),
+            ]
+        room = next((n for n in range(len(rest), 1, -1) if fits(rest[:n])), 1)
+        end = rest.rfind(" ", 0, room + 1)
+        # a long word is broken rather than half a line left empty
+        end = end if end > room // 2 else room
+        lines.append(rest[:end].rstrip())
+        rest = rest[end:].lstrip()
     return lines
 
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 from kinesics import formats, plotting
 from kinesics.body.contacts import runs
 from kinesics.errors import FileError, InputError, MissingExtraError
+from kinesics.plotting import letters
 from kinesics.plotting.canvas import figure_bytes
 from kinesics.progress import Progress, silent
 from kinesics.synthesis.piece import Piece
@@ -34,7 +35,7 @@ class Saved(NamedTuple):
     """One for all movements of a name."""
     pictures: tuple[Path, ...]
     remarks: tuple[str, ...]
-    """What the formats could not hold."""
+    """What the formats could not hold, or the picture not show."""
 
 
 Paths = str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
@@ -144,9 +145,11 @@ def save_performance(piece: Piece, paths: Paths, *, overwrite: bool = False, pro
     check_output(paths, overwrite=overwrite)
     targets = _targets(paths)
     progress(0.0, "drawing")
-    drawn = figure_bytes(picture(piece), ".png")
+    figure = picture(piece)
+    drawn = figure_bytes(figure, ".png")
     told = provenance_json(piece).encode()
-    remarks: list[str] = []
+    unknown = letters.lacking(figure)
+    remarks = [f"The picture has {letters.UNKNOWN} for {unknown}: no font of this machine has it"] if unknown else []
     with contextlib.ExitStack() as stack:
         made: list[tuple[Path, Path]] = []
         for number, target in enumerate(targets):
