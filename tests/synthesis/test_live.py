@@ -289,10 +289,10 @@ def snaps(made: Network, seed: int, seconds: float) -> tuple[float, float]:
 
 
 def test_knees_do_not_snap() -> None:
-    """Sent about at 60 frames a second, knees are accelerated by a third more than in the walk played."""
+    """Sent about at 60 frames a second, knees are accelerated by half more than in the walk played."""
     walk = kx.performer.walk(seconds=8, fps=60, noise_degrees=0.5, noise_kind="smooth", route="circle", seed=5).motion
     knees, _ = snaps(network(repertoire([walk])), 1, 15.0)
-    assert knees < 1.35
+    assert knees < 1.5
 
 
 @pytest.mark.parametrize("names", [["35_01"], ["91_34", "35_01"]])

@@ -10,13 +10,13 @@ import pytest
 from numpy.typing import NDArray
 
 import kinesics as kx
-from kinesics.body import kinematics
+from kinesics.body import contacts, kinematics
 from kinesics.synthesis import planting
 from kinesics.synthesis.checking import check, slide
 from kinesics.synthesis.network import network
 from kinesics.synthesis.rehearsal import played
 from kinesics.synthesis.rendering import render
-from kinesics.synthesis.repertoire import repertoire
+from kinesics.synthesis.repertoire import Repertoire, repertoire
 from kinesics.synthesis.stage import Stage
 
 Array = NDArray[np.float64]
@@ -88,3 +88,16 @@ def test_ankles_do_not_leap_as_feet_are_let_go(shared_data: Path) -> None:
         return np.linalg.norm(np.diff(of.positions()[:, feet], 2, axis=0), axis=-1)
 
     assert leaps(done).max() < 1.3 * leaps(run).max()
+
+
+def test_a_runner_s_feet_are_on_the_ground_for_as_long_as_they_were(shared_data: Path) -> None:
+    """Within a tenth, though they stand still where in the recording they slide; and they are not drawn to the floor besides."""
+    own = repertoire(kx.read(shared_data / "cmu" / "09/09_06.amc"))
+    stage, planted = Stage.of(own), played(Stage.of(own))
+
+    def share(of: Repertoire) -> float:
+        known = kinematics.forward(own.skeleton, of.rotations[0], of.root_positions[0])
+        soles = stage.soles.place(known.positions, known.rotations)
+        return float(contacts.touching(soles, soles[..., 1], own.fps, stage.stature, stage.slow).feet.mean())
+
+    assert share(planted) == pytest.approx(share(own), rel=0.1)

@@ -48,7 +48,7 @@ RELEASE: Final = 0.07
 """Seconds before and after a contact over which the foot is let go."""
 _MARGIN: Final = 0.25
 """Share of such times for which the foot is still held as if it bore: no rule tells the very frame of its lifting."""
-LIFT: Final = 0.05
+LIFT: Final = 0.015
 """Seconds before and after a contact over which the sole comes down to the floor."""
 SOFTLY: Final = 0.05
 """Seconds before and after over which the height of a foot is corrected: less than a step, more than a marker's tremble."""
