@@ -25,7 +25,8 @@ from numpy.typing import NDArray
 
 import kinesics as kx
 from harness import Table, data_folder, main, measure
-from kinesics.synthesis.controller import BEND, Controller, Course, perform_paths
+from kinesics.synthesis.controller import BEND, Controller
+from kinesics.synthesis.courses import Course, perform_paths
 from kinesics.synthesis.goals import RADIUS, Economy, Goal, Novelty, Route, Target, Targets
 from kinesics.synthesis.network import Network, network
 from kinesics.synthesis.prospects import LOOKAHEAD, Prospects, prospects

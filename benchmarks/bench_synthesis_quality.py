@@ -31,15 +31,17 @@ from numpy.typing import NDArray
 import kinesics as kx
 from harness import Table, data_folder, main
 from kinesics.body.motion import Motion
-from kinesics.synthesis.controller import Controller, perform_paths
+from kinesics.synthesis.controller import Controller
+from kinesics.synthesis.courses import perform_paths
 from kinesics.synthesis.goals import Economy, Novelty, Route, Target
 from kinesics.synthesis.live import LiveRenderer, performed
 from kinesics.synthesis.network import Network, network
-from kinesics.synthesis.prospects import Prospects, prospects, trails
+from kinesics.synthesis.prospects import Prospects, prospects
 from kinesics.synthesis.quality import Quality, measure
 from kinesics.synthesis.rendering import Performance, render
 from kinesics.synthesis.repertoire import repertoire
 from kinesics.synthesis.stage import Stage
+from kinesics.synthesis.trails import trails
 
 _CMU = {
     "walks of 91, 07 and 35, those of the targets": ("91/91_01", "91/91_34", "07/07_01", "35/35_01"),

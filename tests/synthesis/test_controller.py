@@ -16,7 +16,8 @@ from hypothesis import strategies as st
 import kinesics as kx
 from floor_networks import STEPS, Path, floor_network, met, walker
 from kinesics.errors import InputError
-from kinesics.synthesis.controller import Controller, Course, perform_paths
+from kinesics.synthesis.controller import Controller
+from kinesics.synthesis.courses import Course, perform_paths
 from kinesics.synthesis.goals import (
     Economy,
     Favour,
@@ -213,7 +214,8 @@ def test_plans_count_how_paths_meet(net: Network) -> None:
     controller.step()
     for _ in range(30):
         controller._intention = None
-        row = controller._row(controller._weigh())
+        weighing = controller._weighing
+        row = weighing.row(controller.now, weighing.misses(controller.now), None)
         composite = row.best(int(np.argmax(row.probabilities)))
         place, heading = controller.now.place, controller.now.heading
         assert composite.paths[0] == controller.step().path

@@ -13,7 +13,7 @@ from floor_networks import Path, floor_network
 from kinesics.body.motion import Motion
 from kinesics.geometry import quaternion
 from kinesics.synthesis import faults
-from kinesics.synthesis.controller import perform_paths
+from kinesics.synthesis.courses import perform_paths
 from kinesics.synthesis.goals import Target
 from kinesics.synthesis.network import network
 from kinesics.synthesis.parts import Draft

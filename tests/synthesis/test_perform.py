@@ -19,7 +19,7 @@ from kinesics.formats import read_extras
 from kinesics.grammar import edits
 from kinesics.report.performances import performance_schema
 from kinesics.synthesis import goals
-from kinesics.synthesis.controller import perform_paths
+from kinesics.synthesis.courses import perform_paths
 from kinesics.synthesis.labels import labelled
 from kinesics.synthesis.network import network
 from kinesics.synthesis.piece import Piece

@@ -10,7 +10,8 @@ import pytest
 from floor_networks import Path, floor_network, met, walker
 from kinesics.errors import InputError
 from kinesics.synthesis.network import Network
-from kinesics.synthesis.prospects import Prospects, prospects, trails
+from kinesics.synthesis.prospects import Prospects, prospects
+from kinesics.synthesis.trails import trails
 from naive import controller as naive
 
 

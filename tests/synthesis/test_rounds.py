@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from floor_networks import FPS, Path, floor_network
-from kinesics.synthesis.controller import Course
+from kinesics.synthesis.courses import Course
 from kinesics.synthesis.network import Network
 from kinesics.synthesis.rounds import longest_loop, played_most
 

@@ -10,7 +10,7 @@ import pytest
 
 from floor_networks import Path, floor_network
 from kinesics import compiled
-from kinesics.synthesis.controller import perform_paths
+from kinesics.synthesis.courses import perform_paths
 from kinesics.synthesis.goals import Target
 from kinesics.synthesis.network import Network
 from kinesics.synthesis.prospects import prospects

@@ -16,11 +16,12 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kinesics.synthesis.controller import Course, perform_paths
+from kinesics.synthesis.courses import Course, perform_paths
 from kinesics.synthesis.network import Network
 from kinesics.synthesis.piece import visits
-from kinesics.synthesis.prospects import Prospects, trails
+from kinesics.synthesis.prospects import Prospects
 from kinesics.synthesis.rendering import Performance, Provenance, render
+from kinesics.synthesis.trails import trails
 from kinesics.synthesis.wish import Detour, Wish
 
 Array = NDArray[np.float64]
@@ -95,7 +96,7 @@ def best_attempt(
 
     Parameters
     ----------
-    seconds, seed, finish, beta, bend, start, ahead : as of `kinesics.synthesis.controller.perform_paths`.
+    seconds, seed, finish, beta, bend, start, ahead : as of `kinesics.synthesis.courses.perform_paths`.
     again : whether, where the first does not lead there, others are drawn.
     more_time : whether the later ways and detours may take longer than ``seconds``.
     shorten : whether a way that is far shorter by being bent more is gone, not only told of.

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from kinesics.body.motion import Motion
 from kinesics.synthesis.checking import Check
-from kinesics.synthesis.controller import Course
+from kinesics.synthesis.courses import Course
 from kinesics.synthesis.goals import RADIUS
 from kinesics.synthesis.network import Network
 from kinesics.synthesis.pruning import Pruned

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinesics.errors import InputError
-from kinesics.synthesis.controller import BETA, LONGEST, WIDEST
+from kinesics.synthesis.controller import BETA, WIDEST
+from kinesics.synthesis.courses import LONGEST
 from kinesics.synthesis.goals.arguments import is_number
 from kinesics.synthesis.repertoire import check_rate
 from kinesics.synthesis.wish import Wish

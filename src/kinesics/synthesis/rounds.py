@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kinesics.synthesis.controller import Course
+from kinesics.synthesis.courses import Course
 from kinesics.synthesis.network import Network
 from kinesics.synthesis.prospects import AT_ONCE
 from kinesics.synthesis.repertoire import Repertoire

@@ -26,11 +26,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics import compiled
+from kinesics.synthesis.trails import Trail
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
-    from kinesics.synthesis.prospects import Trail
 
 Floats = NDArray[np.float32]
 Indices = NDArray[np.signedinteger]

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from kinesics.synthesis.trails import trails
+
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
@@ -118,8 +120,6 @@ def _on_and_on(network: Network, beside: Indices, here: Indices, path: int, seco
 def stances(network: Network) -> Mask:
     """Paths in which the performer stands still and can go on standing for ever without leaving them: shape (paths,)."""
     from scipy.sparse.csgraph import connected_components
-
-    from kinesics.synthesis.prospects import trails
 
     duration = np.asarray(network.duration, dtype=np.float64)
     ways = trails(network)

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from kinesics.synthesis.goals.arguments import check_finite, check_least, check_weight
 from kinesics.synthesis.goals.pursuit import Pursuit, Situation, TrailPursuit
-from kinesics.synthesis.prospects import Prospects, Trail
+from kinesics.synthesis.prospects import Prospects
+from kinesics.synthesis.trails import Trail
 
 if TYPE_CHECKING:
     from kinesics.synthesis.network import Network

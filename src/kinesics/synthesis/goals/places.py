@@ -18,8 +18,9 @@ from numpy.typing import ArrayLike, NDArray
 from kinesics.errors import InputError
 from kinesics.synthesis.goals.arguments import as_complex, check_positive, check_weight, line_of, place_of
 from kinesics.synthesis.goals.pursuit import Pursuit, Situation, TrailPursuit
-from kinesics.synthesis.prospects import Prospects, Trail
+from kinesics.synthesis.prospects import Prospects
 from kinesics.synthesis.togo import LEAST_RADIUS
+from kinesics.synthesis.trails import Trail
 
 if TYPE_CHECKING:
     from kinesics.synthesis.network import Network

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinesics.synthesis.prospects import Prospects, Trail
+from kinesics.synthesis.prospects import Prospects
+from kinesics.synthesis.trails import Trail
 
 if TYPE_CHECKING:
     from kinesics.synthesis.network import Network

@@ -12,7 +12,8 @@ from kinesics.errors import InputError
 from kinesics.synthesis.goals.arguments import check_least, check_weight, line_of
 from kinesics.synthesis.goals.places import HASTE, RADIUS
 from kinesics.synthesis.goals.pursuit import Pursuit, Situation, TrailPursuit
-from kinesics.synthesis.prospects import Prospects, Trail
+from kinesics.synthesis.prospects import Prospects
+from kinesics.synthesis.trails import Trail
 
 if TYPE_CHECKING:
     from kinesics.synthesis.network import Network
