@@ -177,3 +177,22 @@ def test_thirty_frames_a_second(shared_data: Path, tmp_path: Path) -> None:
     assert 0.55 <= found["walk"].mean() <= 0.7
     assert found["walk"].any(axis=1).all()
     assert found["run"].all(axis=1).mean() == 0.0
+
+
+@pytest.mark.parametrize("fps", [30.0, 120.0])
+def test_speeds_are_as_true_at_either_end_as_between(fps: float) -> None:
+    """A point thrown upwards: what is accelerated evenly has its own speed in the first and last frame, too."""
+    seconds = np.arange(20) / fps
+    points = np.zeros((20, 1, 3))
+    points[:, 0, 1] = 3.0 * seconds - 0.5 * 9.81 * seconds**2
+    points[:, 0, 2] = 0.7 * seconds
+    speed = np.hypot(3.0 - 9.81 * seconds, 0.7)
+    assert np.allclose(touching.speeds_of(points, fps)[:, 0], speed)
+
+
+def test_speeds_of_a_moment_are_none() -> None:
+    """One frame does not move; of two it is what lies between them."""
+    point = np.zeros((2, 1, 3))
+    point[1, 0, 0] = 0.01
+    assert np.array_equal(touching.speeds_of(point[:1], 30.0), [[0.0]])
+    assert np.allclose(touching.speeds_of(point, 30.0), 0.3)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 import kinesics as kx
@@ -101,3 +104,18 @@ def test_ankles_of_flickering_feet_do_not_leap(name: str, shared_data: Path) -> 
     assert piece.check.contacts > 20
     assert not piece.check.leaps
     assert piece.check.slides == 0
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=st.integers(0, 2**16), fps=st.sampled_from([24.0, 60.0, 120.0]))
+def test_steady_feet_stay_within_the_range_recorded(seed: int, fps: float) -> None:
+    """Whatever flickers: no mean of turns is beyond them."""
+    _, stage = walking(fps)
+    rng = np.random.default_rng(seed)
+    frames = rng.choice(stage.repertoire.frame_count, 12, replace=False)
+    ranged = Stage._measured(replace(stage.repertoire, rotations=np.stack([flickering(stage, list(frames))] * 2)))
+    stands = rng.random((stage.repertoire.frame_count, 2)) < 0.5
+    steady = steady_feet(ranged, ranged.repertoire.rotations[0], stands)
+    vectors = quaternion.offset(np.broadcast_to(ranged.middle, steady.shape), steady)
+    assert (vectors <= ranged.high + 1e-6).all()
+    assert (vectors >= ranged.low - 1e-6).all()

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from kinesics.body import kinematics
 from kinesics.geometry import quaternion
+from kinesics.synthesis.ranges import put_within_range
 from kinesics.synthesis.stage import RELEASE, Stage, held_around
 
 Array = NDArray[np.float64]
@@ -48,6 +49,7 @@ def steady_feet(stage: Stage, rotations: Array, standing: Mask) -> Array:
         out[:, foot] = quaternion.multiply(above, _averaged(turned[:, foot], near, STEADY * fps))
         for toes in set(stage.soles.joints[side].tolist()) - {foot}:
             out[:, toes] = _averaged(rotations[:, toes], near, STEADY * fps)
+    put_within_range(stage, out, np.unique([*stage.legs.feet, *stage.soles.joints.ravel()]))
     return out
 
 
