@@ -24,6 +24,7 @@ from kinesics.errors import InputError, SkeletonError
 from kinesics.progress import Progress, silent
 from kinesics.synthesis import checking, elsewhere, goals, labels
 from kinesics.synthesis import network as networks
+from kinesics.synthesis.afoot import afoot
 from kinesics.synthesis.attempts import Attempt, best_attempt, performed
 from kinesics.synthesis.controller import BEND, BETA
 from kinesics.synthesis.doubts import doubts
@@ -192,9 +193,10 @@ def fulfil(
         return net if grammar is None else labels.labelled(net, grammar.graph, grammar.phrases, at_states=True)
 
     largest = made(None)
-    net = elsewhere.serving(largest, wish, found, made)
+    serving = elsewhere.serving(largest, wish, found, made)
     if grammar is not None:
-        check_names(net, wish, grammar)
+        check_names(serving, wish, grammar)
+    net = afoot(serving)
     start = _start(net, wish, seed)
     progress(0.6, "looking ahead")
     ahead = prospects(net)
@@ -246,7 +248,7 @@ def fulfil(
     told = (
         left_out
         + stock.warnings
-        + elsewhere.told(net, largest, wish)
+        + elsewhere.told(serving, largest, wish)
         + doubts(piece, wish, ahead, most, seconds, best.shorter)
     )
     progress(1.0, "performed")

@@ -266,19 +266,18 @@ class Wish:
         whose = [n for m, n in zip(motions, names, strict=True) if m.source.file_name == self.favour]
         return dataclasses.replace(self, favour=whose[0] if whose else self.favour.rpartition(".")[0])
 
-    def goals(self, drift: complex = 1.0, via: Detour | None = None, most: float = math.inf) -> list[Goal | Feature]:
+    def goals(self, via: Detour | None = None, most: float = math.inf) -> list[Goal | Feature]:
         """For the controller; something new all the time, where nothing is wished for.
 
         Parameters
         ----------
-        drift : what the way decided for has to be multiplied by, to be the way performed, as z + i·x.
         via : a place to be gone to besides.
         most : seconds that there are.
         """
         led = self._to_places
         out: list[Goal | Feature] = [g for g in self.own if g is not led]
         if led is not None:
-            out.append(_aimed(led, drift, via))
+            out.append(_aimed(led, via))
         if self.route is not None:
             out.append(self.route)
         if self.target is not None or self.route is not None:
@@ -308,11 +307,10 @@ class Wish:
         }
 
 
-def _aimed(led: goals.Target | goals.Targets, drift: complex, via: Detour | None) -> goals.Target | goals.Targets:
-    """Somewhat nearer than asked for, and to where it has to be decided for so that the body comes to the place."""
+def _aimed(led: goals.Target | goals.Targets, via: Detour | None) -> goals.Target | goals.Targets:
+    """Somewhat nearer than asked for, and by way of a place besides."""
     radius = max(led.radius - SPARE, 0.5 * led.radius)
-    places = [complex(z, x) / drift for x, z in ((led.position,) if isinstance(led, goals.Target) else led.positions)]
-    aims = [(place.imag, place.real) for place in places]
+    aims = [led.position] if isinstance(led, goals.Target) else list(led.positions)
     if via is not None:
         aims.insert(via.before, via.place)
     if len(aims) == 1:
