@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import kinesics as kx
-from kinesics.synthesis import checking
+from kinesics.synthesis import checking, unused
 from kinesics.synthesis.checking import Check, Slid
 from kinesics.synthesis.doubts import doubts
 from kinesics.synthesis.piece import Piece, way_of
@@ -112,16 +112,61 @@ def test_the_contacts_that_slide_are_those_that_are_counted(piece: Piece) -> Non
 
 
 def test_a_way_too_short_to_be_seen_is_told(walk: kx.Motion) -> None:
-    """How long it lasts, and how to go on from there."""
+    """How long the way itself lasts, whatever is performed before and after it; and how to go on where that is nothing."""
     piece = kx.performance(walk, from_state="A", to_state="A*")
     assert not any("lasts" in line for line in piece.motion.warnings)
-    short = dataclasses.replace(
-        piece, performance=dataclasses.replace(piece.performance, motion=piece.motion[:4]), check=SOUND
-    )
+    quick = dataclasses.replace(piece.network, duration=0.1 * piece.network.duration)
     wish = Wish.of(None, None, "A", "A*", None, None)
-    (doubt,) = doubts(short, wish, prospects(piece.network), 10.0, None)
-    assert "A to A* lasts 0.13 s" in doubt
-    assert "--linger" in doubt
+    for frames, says in ((4, "--linger"), (60, "of 2.0: the recordings pass so quickly")):
+        short = dataclasses.replace(
+            piece,
+            network=quick,
+            performance=dataclasses.replace(
+                piece.performance, motion=piece.motion.resample(120)[:frames].replace(fps=30)
+            ),
+            check=SOUND,
+        )
+        (doubt,) = (line for line in doubts(short, wish, prospects(piece.network), 10.0, None) if "lasts" in line)
+        assert "the way from A to A* lasts 0.0" in doubt
+        assert says in doubt
+
+
+def test_recordings_of_which_most_is_not_used_are_told(walk: kx.Motion) -> None:
+    """How much is, of which; and that no larger threshold helps, where none does."""
+    jacks, squats = kx.performer.jumping_jacks(seconds=7, fps=30).motion, kx.performer.squat(seconds=7, fps=30).motion
+    piece = kx.performance([walk, jacks, squats], seconds=2)
+    (doubt,) = (line for line in piece.motion.warnings if "most of what was recorded" in line)
+    each = unused.used_of_each(piece.network)
+    assert [one.name for one in each] == ["jumping_jacks", "squat", "walk"]
+    assert unused.used(piece.network).unused == pytest.approx(1.0 - sum(o.seconds.used for o in each) / 44.0, abs=0.01)
+    assert (
+        f"of 'jumping_jacks' 0.0 of 14.0 s, of 'squat' 0.0 of 14.0 s, of 'walk' {each[2].seconds.used:.1f} of 16.0 s"
+        in doubt
+    )
+    assert "No larger `threshold` joins much more" in doubt
+    assert not any("most of what" in line for line in kx.performance([walk, jacks], seconds=2).motion.warnings)
+
+
+def test_who_stays_although_the_recordings_go_about_is_told(piece: Piece) -> None:
+    """In place, or as still as a statue; not who was asked to, nor who goes about."""
+    motion = piece.motion
+    root = np.array(motion.root_positions)
+    root[:, [0, 2]] = 0.02 * np.sin(np.arange(len(root)))[:, None]
+    there = motion.replace(root_positions=root)
+    statue = there.replace(rotations=np.repeat(there.rotations[:1], len(root), axis=0))
+    for still, says in (
+        (there, "stays in place for all of 10.0 s, within 3 cm"),
+        (statue, "nearly still for all of 10.0 s"),
+    ):
+        staying = dataclasses.replace(piece, performance=dataclasses.replace(piece.performance, motion=still))
+        (doubt,) = told(staying)
+        assert says in doubt
+        assert "--target" in doubt
+        checked = dataclasses.replace(staying, check=SOUND)
+        ahead = prospects(piece.network)
+        for asked in (Wish.of(None, None, None, None, "walk", None), Wish.of(None, None, "A", "A*", None, None)):
+            assert not any("body st" in line for line in doubts(checked, asked, ahead, 10.0, 10.0))
+    assert told(piece) == ()
 
 
 def test_a_long_way_round_is_told(walk: kx.Motion) -> None:

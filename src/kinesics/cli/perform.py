@@ -114,7 +114,7 @@ def perform(
     if json:
         terminal.print_json(piece.to_dict())
     else:
-        summarize(piece)
+        summarize(piece, out or ())
     if saved is not None:
         _say_where(saved, terminal.remark if json else print)
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from kinesics.cli import terminal
@@ -12,14 +14,20 @@ if TYPE_CHECKING:
 
 MUCH: Final = 0.25
 """Share of the recordings left out from which it is said which part it is and what would join it."""
-TRIED: Final = 240.0
-"""Seconds of recordings and their images, up to which a larger threshold is tried rather than advised."""
 _LEFT_OUT_AT_MOST: Final = 4
+_RIGS: Final = (".bvh", ".amc")
+"""Of files that are played on a skeleton with joints of these names."""
 
 
-def summarize(piece: Piece) -> None:
-    """What a choreographer wants to know: whether it got there, how often it changed, from what, what was left out."""
+def summarize(piece: Piece, out: Sequence[Path] = ()) -> None:
+    """What a choreographer wants to know: whether it got there, how often it changed, from what, what was left out.
+
+    Parameters
+    ----------
+    out : files that it is written to.
+    """
     from kinesics.synthesis.doubts import often_played
+    from kinesics.synthesis.repertoire import ROOT_PUT
 
     console = terminal.console()
     motion, counted = piece.motion, terminal.counted
@@ -69,8 +77,12 @@ def summarize(piece: Piece) -> None:
         )
     for line in _left_out(piece):
         console.print(f"  [dim]{terminal.escape(line)}[/dim]")
+    shown = ["performed at", "performed on", "favoured "]
+    if any(file.suffix.lower() in _RIGS for file in out):
+        # who plays it on the rig of the recordings has to know; a figure of its own, or arrays, need not
+        shown.append(ROOT_PUT)
     for line in motion.assumptions:
-        if line.startswith(("performed ", "favoured ")) or ": used once" in line:
+        if line.startswith(tuple(shown)) or ": used once" in line:
             console.print(f"  [dim]{terminal.escape(line)}[/dim]")
     other = [facts.name for facts in piece.sources if facts.fps != motion.fps]
     if other:
@@ -82,32 +94,33 @@ def summarize(piece: Piece) -> None:
 
 
 def _left_out(piece: Piece) -> list[str]:
-    """How much is not used, of which recording what and why, and what would join it."""
-    lost = sum(p.seconds * (p.strand.count(" and ") + 1) for p in piece.pruned)
-    if lost <= 0.0:
+    """How much is not used, of which recording what and why, and what would join it (where that is no doubt already)."""
+    from kinesics.synthesis import unused
+    from kinesics.synthesis.doubts import MOSTLY
+
+    net = piece.network
+    total = unused.used(net)
+    if not piece.pruned:
         return []
-    have = lost + piece.network.seconds
     either = " or mirrored" if piece.parameters["mirrored"] else ""
-    lines = [f"not used, for no way leads there or back: {lost / have:.0%} of what was recorded{either}"]
-    if lost < MUCH * have:
+    lines = [f"not used, for no way leads there or back: {total.unused:.0%} of what was recorded{either}"]
+    if total.unused < MUCH:
         return lines
     dearest = sorted(piece.pruned, key=lambda p: -p.seconds)
     lines += [f"  {p}" for p in dearest[:_LEFT_OUT_AT_MOST]]
     if more := dearest[_LEFT_OUT_AT_MOST:]:
         lines.append(f"  and {sum(p.seconds for p in more):.1f} s of others, told in the provenance")
-    if have > TRIED:
-        return [
-            *lines,
-            f"a larger --threshold than {piece.network.threshold:.2g}, or more recordings like it, may join it",
-        ]
-    from kinesics.synthesis.reach import farther
-
-    larger = farther(piece.network)
+    if total.unused >= MOSTLY:
+        return lines
+    if total.recorded > unused.TRIED:
+        return [*lines, f"a larger --threshold than {net.threshold:.2g}, or more recordings like it, may join it"]
+    larger = unused.larger_threshold(net)
     if larger is None:
         return [*lines, "no larger --threshold joins much more of it; more recordings like it may"]
+    left = 1.0 - larger.seconds / total.recorded
     return [
         *lines,
-        f"--threshold {larger.threshold:g} leaves out {1.0 - larger.seconds / have:.0%}, by transitions between moments less alike",
+        f"--threshold {larger.threshold:g} leaves out {left:.0%}, by transitions between moments less alike",
     ]
 
 

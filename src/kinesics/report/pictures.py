@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 from collections import deque
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from collections.abc import Callable, MutableMapping
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol
 
 import numpy as np
 
@@ -40,7 +40,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from kinesics.grammar.graph import MotionGraph
-    from kinesics.report.helper import Helper
 
 _DPI: Final = 150
 _MOST_FIGURES: Final = 80
@@ -111,15 +110,33 @@ class Sheet(NamedTuple):
     """Of the phrases and curves."""
 
 
+class Hand(Protocol):
+    """Somebody who draws along."""
+
+    def draw(
+        self,
+        analysis: Analysis,
+        palette: str,
+        waiting: deque[Sheet],
+        drawn: MutableMapping[Sheet, tuple[bytes, ...]],
+    ) -> None:
+        """Begin to take sheets from ``waiting`` and to put them into ``drawn``."""
+        ...
+
+    def wait(self) -> bool:
+        """Wait until the last sheet is drawn; whether one has come back undrawn, to ``waiting``."""
+        ...
+
+
 def draw(
-    analysis: Analysis, *, palette: str = "thesis", progress: Progress | None = None, helper: Helper | None = None
+    analysis: Analysis, *, palette: str = "thesis", progress: Progress | None = None, helper: Hand | None = None
 ) -> Pictures:
     """All pictures of an analysis that still has its motions and poses.
 
     Parameters
     ----------
     palette : the colours of Z and Z*, see `kinesics.plotting.palettes`.
-    helper : a second process that draws along (see `kinesics.report.helper`); the pictures are the same without.
+    helper : somebody who draws along, as a second process (`kinesics.report.helper`); the pictures are the same without.
 
     Raises
     ------

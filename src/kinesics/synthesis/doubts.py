@@ -9,15 +9,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.errors import some_of
-from kinesics.synthesis import rounds
+from kinesics.progress import Progress, silent
+from kinesics.synthesis import rounds, staying, unused
 from kinesics.synthesis.attempts import MOST_BEND, Shorter
 from kinesics.synthesis.checking import ROUNDING, SLIDE, SUNK, Slid
+from kinesics.synthesis.goals.states import way_between
 from kinesics.synthesis.piece import SWAY, Piece, way_of
 from kinesics.synthesis.prospects import Prospects
 from kinesics.synthesis.repertoire import THROWN
 from kinesics.synthesis.stage import FLESH
 from kinesics.synthesis.wish import HARDLY, MOST_SECONDS, SPARE, Wish
 
+MOSTLY: Final = 0.5
+"""Share of the recordings that is not used, from which that is doubtful."""
+NAMED: Final = 6
+"""Recordings of which it is told how much is used."""
+STILL: Final = 0.25
+"""Share of the time in which the recordings move, below which who moves stands nearly still."""
 REPEATED: Final = 5.0
 """Times that every moment comes, from which it is said that there is little to choose from."""
 ROUND_AND_ROUND: Final = 2.0
@@ -28,12 +36,20 @@ AT_LEAST: Final = 5.0
 """Metres round, below which nothing is said of it: nobody turns on the spot."""
 SHORT: Final = 0.25
 """Seconds of a way from state to state, below which hardly anything of it is to be seen."""
+SEEN: Final = 1.0
+"""Seconds of a performance from which the two states are seen, at least, however short the way."""
 NEAR_CUT: Final = 0.3
 """Seconds from a contact to a transition, up to which that may have moved the foot."""
 
 
 def doubts(
-    piece: Piece, wish: Wish, ahead: Prospects, most: float, seconds: float | None, shorter: Shorter | None = None
+    piece: Piece,
+    wish: Wish,
+    ahead: Prospects,
+    most: float,
+    seconds: float | None,
+    shorter: Shorter | None = None,
+    progress: Progress = silent,
 ) -> tuple[str, ...]:
     """What did not go as wished, what does not stay where the recordings were, and what helps.
 
@@ -42,9 +58,11 @@ def doubts(
     most : seconds that were allowed.
     seconds : those that were asked for, if any were.
     shorter : how one would come to the place by a far shorter way, if that was found.
+    progress : called as a larger threshold is tried, where most of the recordings is not used.
     """
     said = (
-        _unused(piece),
+        _unused(piece, progress),
+        _stays(piece, wish),
         _repeated(piece, wish),
         _round_and_round(piece),
         _missed(piece, wish, ahead, most, seconds),
@@ -58,7 +76,21 @@ def doubts(
     return tuple(line for line in said if line)
 
 
-def _unused(piece: Piece) -> str:
+def _unused(piece: Piece, progress: Progress) -> str:
+    """What hardly anything is performed of: of all of it together, or of a recording."""
+    net = piece.network
+    either = ", mirror images counted" if len(net.repertoire.strands) > 1 else ""
+    if unused.used(net).unused >= MOSTLY:
+        shown, total = unused.used_of_each(net), unused.used(net)
+        of = ", ".join(f"of '{one.name}' {_of(one.seconds)}" for one in shown[:NAMED])
+        if more := shown[NAMED:]:
+            rest = unused.Used(*(sum(one.seconds[k] for one in more) for k in range(2)))
+            of += f", of {len(more)} more {_of(rest)}"
+        return (
+            f"most of what was recorded is not used: {total.used:.1f} of {total.recorded:.1f} s hold together{either}"
+            + (f" ({of})" if len(shown) > 1 else "")
+            + f"; no way leads to the rest, or none back. {_joining(piece, progress)}"
+        )
     none_of = list(dict.fromkeys(p.recording for p in piece.pruned if p.everything))
     if not none_of:
         return ""
@@ -66,6 +98,50 @@ def _unused(piece: Piece) -> str:
         f"nothing is performed of {some_of(none_of, 8)}: no transition leads there and back again; longer "
         "recordings, or others nearer in pose, speed and footing, would join it; or perform from it alone, or favour it (--favour)"
     )
+
+
+def _of(seconds: unused.Used) -> str:
+    return f"{seconds.used:.1f} of {seconds.recorded:.1f} s"
+
+
+def _joining(piece: Piece, progress: Progress) -> str:
+    """What would make it more."""
+    net = piece.network
+    others = "longer recordings, or more that are like them in pose, speed and footing, would join it"
+    if unused.used(net).recorded > unused.TRIED:
+        return f"A larger `threshold` (--threshold) than {net.threshold:.2g} may join it; {others}"
+    larger = unused.larger_threshold(net, progress)
+    if larger is None:
+        return f"No larger `threshold` joins much more; {others}"
+    return (
+        f"`threshold` {larger.threshold:g} (--threshold {larger.threshold:g}) makes it {larger.seconds:.1f} s, by transitions "
+        f"between moments less alike; {others} as smoothly"
+    )
+
+
+def _stays(piece: Piece, wish: Wish) -> str:
+    """That the body stays where it is, or as it is, though the recordings do not."""
+    if wish.ends or wish.favour is not None or piece.stays is None:
+        return ""
+    where = f"for all of {piece.motion.duration:.1f} s, within {_metres(piece.stays)} of where it begins"
+    among = unused.used(piece.network).unused >= MOSTLY
+    helps = "give another seed (--seed), what to favour (--favour), or a place to go to (`target`, --target)"
+    moves, recorded = staying.moving(piece), staying.moving_recorded(piece.network.repertoire)
+    if moves < STILL * recorded:
+        return (
+            f"the body stands nearly still {where}: it moves in {moves:.0%} of the time, in the recordings in {recorded:.0%}; "
+            + ("what moves more is among what is not used" if among else helps)
+        )
+    going = staying.going_about(piece)
+    if not going:
+        return ""
+    return f"the body stays in place {where}, though in {some_of(going, 8)} it goes about; " + (
+        "that is among what is not used" if among else helps
+    )
+
+
+def _metres(metres: float) -> str:
+    return f"{100.0 * metres:.0f} cm" if metres < 0.1 else f"{metres:.2f} m"
 
 
 def _repeated(piece: Piece, wish: Wish) -> str:
@@ -166,12 +242,20 @@ def _roundabout(piece: Piece, wish: Wish, shorter: Shorter | None) -> str:
 
 
 def _short(piece: Piece, wish: Wish) -> str:
-    """A way from state to state that is over before it is seen."""
-    if wish.to_state is None or not piece.attained or piece.motion.duration >= SHORT:
+    """A way from state to state that is over before it is seen, whatever is performed before and after it."""
+    if wish.to_state is None or not piece.attained:
         return ""
+    assert wish.from_state is not None
+    way = way_between(piece.network, wish.from_state, wish.to_state)
+    seconds = 0.0 if way is None else float(piece.network.duration[way].sum())
+    if seconds >= SHORT:
+        return ""
+    told = f"the way from {wish.from_state} to {wish.to_state} lasts {seconds:.2g} s"
+    if piece.motion.duration >= SEEN:
+        return f"{told} of {piece.motion.duration:.1f}: the recordings pass so quickly from the one to the other"
     return (
-        f"{wish.from_state} to {wish.to_state} lasts {piece.motion.duration:.2g} s: where the recordings pass so quickly from the "
-        "one to the other there is hardly more to be seen; `linger` (--linger) with `seconds` (--seconds) goes on from there"
+        f"{told}: where the recordings pass so quickly from the one to the other there is hardly more to be seen; `linger` "
+        "(--linger) with `seconds` (--seconds) goes on from there"
     )
 
 

@@ -249,7 +249,15 @@ def fulfil(
         left_out
         + stock.warnings
         + elsewhere.told(serving, largest, wish)
-        + doubts(piece, wish, ahead, most, seconds, best.shorter)
+        + doubts(
+            piece,
+            wish,
+            ahead,
+            most,
+            seconds,
+            best.shorter,
+            lambda share, message="": progress(0.95 + 0.05 * share, message),
+        )
     )
     progress(1.0, "performed")
     return dataclasses.replace(piece, performance=dataclasses.replace(done, motion=motion.replace(warnings=told)))

@@ -60,6 +60,8 @@ LOOKS: Final = 12.0
 LIFTED: Final = 0.05
 """Metres between the root joint and the pelvis from which it is said that the result has the root in the pelvis."""
 
+ROOT_PUT: Final = "the root joint,"
+"""How it begins that this is told."""
 _WHY_LEAST: Final = (
     "one recording passes into another within a quarter of a second, which has to hold two frames or more"
 )
@@ -437,8 +439,8 @@ def _root_put(before: Skeleton, after: Skeleton) -> list[str]:
         return []
     root, pelvis = after.joint_names[0], after.joint_names[after.anatomy.pelvis]
     return [
-        f"performed with the root joint, {root}, in the pelvis: its place is that of {pelvis}, which has none of its own; "
-        "recordings on this skeleton have it elsewhere, as a stand"
+        f"{ROOT_PUT} {root}, is in the pelvis, where {pelvis} is; recordings on this skeleton have it elsewhere, as a stand on the "
+        "floor, for one"
     ]
 
 

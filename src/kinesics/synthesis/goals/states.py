@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from kinesics.synthesis.network import Network
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 
 BRIEF: Final = 1.0
 """Seconds of a way, below which it is hardly seen by itself."""
@@ -67,13 +68,32 @@ class StateToState:
         return _ByGraph(network, prospects, self)
 
 
+def way_between(
+    network: Network, begin: str, end: str, by: str = "seconds", faulty: Mask | None = None
+) -> list[int] | None:
+    """Paths of the shortest way from one state to another, as `StateToState` goes it; None where there is none.
+
+    Parameters
+    ----------
+    faulty : the paths in which the recording leaps, where they are known.
+
+    Raises
+    ------
+    InputError
+        If there is no such state.
+    """
+    origins, target = states_of(network, begin, "from"), states_of(network, end, "to")
+    return ways.shortest(
+        network, origins, target, by=by, avoiding=faults.of_paths(network) if faulty is None else faulty
+    )
+
+
 class _ByGraph(Pursuit):
     def __init__(self, network: Network, prospects: Prospects, goal: StateToState) -> None:
-        begin, end = states_of(network, goal.begin, "from"), states_of(network, goal.end, "to")
         self._network, self._goal = network, goal
-        self._begin = begin
+        self._begin = states_of(network, goal.begin, "from")
         faulty = faults.of_paths(network)
-        self._way = ways.shortest(network, begin, end, by=goal.by, avoiding=faulty)
+        self._way = way_between(network, goal.begin, goal.end, goal.by, faulty)
         if self._way is None:
             raise InputError(f"No way leads from state {goal.begin} to state {goal.end}.")
         self._faulty = bool(faulty[self._way].any())
