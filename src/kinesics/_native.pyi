@@ -228,6 +228,51 @@ class Leg:
         bears: float,
     ) -> tuple[_Quaternion, _Quaternion, _Quaternion, _Vector, float]: ...
 
+def shared_values(values: _Doubles, sequence: NDArray[np.int32], shares: _Floats, out: _Doubles) -> None:
+    """Fill ``out`` (rows,) with the values of the paths of each composite, times their shares, together."""
+
+def too_soon(
+    last_played: _Doubles,
+    now: float,
+    paths: NDArray[np.int32],
+    begins: _Floats,
+    again: _Floats,
+    shares: _Floats,
+    within: float,
+    out: _Doubles,
+) -> None:
+    """Add to ``out`` (rows,) by how much too soon each composite plays what was played lately."""
+
+def met_at(
+    places: _Floats,
+    swerve: _Floats,
+    times: _Floats,
+    z: float,
+    x: float,
+    most: float,
+    within: float,
+    pace: float,
+    straight: float,
+    late: float,
+    out: _Doubles,
+) -> None:
+    """Fill ``out`` (rows, points) with what it costs to be at a target there, infinite where one is not within √``within`` m."""
+
+def sought(
+    places: _Floats,
+    swerve: _Floats,
+    headings: _Floats,
+    times: _Floats,
+    wish: _Doubles,
+    most: float,
+    reach: float,
+    pace: float,
+    haste: float,
+    facing: float,
+    out: _Doubles,
+) -> None:
+    """Fill ``out`` (rows, points) with what each misses of what is wished for there: ``wish`` (1 or points, 3) z, x, metres off."""
+
 def envelope(values: _Doubles, window: _Doubles, out: _Doubles) -> None:
     """Fill ``out`` with the greatest of ``values`` within half a window, averaged under the window."""
 

@@ -10,14 +10,17 @@ from numpy.typing import NDArray
 
 import kinesics as kx
 from floor_networks import walker
+from kinesics import compiled
 from kinesics.body.motion import Motion
 from kinesics.errors import InputError
+from kinesics.synthesis.controller import Controller
 from kinesics.synthesis.goals import (
     Goal,
     Heading,
     Measured,
     MovingTarget,
     Novelty,
+    Onwards,
     OwnFeature,
     Route,
     Situation,
@@ -110,6 +113,44 @@ def test_misses_are_counted_in_spreads() -> None:
 def _hands(motion: Motion) -> NDArray[np.float64]:
     """How high the left hand is."""
     return np.asarray(motion.positions()[:, motion.skeleton.find("LeftHand"), 1])
+
+
+@pytest.mark.parametrize("lookahead", [0.0, 2.0])
+@pytest.mark.parametrize(
+    "goal",
+    [
+        Target((0.4, 0.9)),
+        Target((-90.0, 40.0)),
+        MovingTarget([(0.5, 1.0), (-3.0, -1.0)], fps=1.0),
+        MovingTarget([(20.0, 1.0)], fps=1.0),
+        Novelty(),
+        Onwards(),
+    ],
+)
+def test_compiled_and_plain_weigh_alike(goal: Goal, lookahead: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What all composites miss, bent and not, and how each is bent: compiled as in NumPy, whatever was played before."""
+    if compiled.native is None:
+        pytest.skip("The compiled kernels were not built.")
+    net = network(repertoire(kx.performer.walk(seconds=6, fps=30, noise_degrees=0.5, route="circle", seed=5).motion))
+    ready = prospects(net, lookahead)
+    controller = Controller(net, None, prepared=ready, seed=2)
+    for _ in range(12):
+        controller.step()
+    found: dict[str, list[NDArray[np.float64]]] = {"0": [], "1": []}
+    for plain, given in found.items():
+        monkeypatch.setenv("KINESICS_NO_NATIVE", plain)
+        pursuit = goal.pursuit(net, ready)
+        for bend in (0.0, 0.1):
+            pursuit.prepare(bend)
+            for path in range(0, len(net), 5):
+                rows = slice(*ready.rows[path : path + 2].tolist())
+                given.append(pursuit.miss(rows, controller.now, bend))
+                if isinstance(pursuit, TrailPursuit):
+                    trail = ready.along(slice(rows.start, rows.start + 1))
+                    given.append(np.array([pursuit.bend(trail, controller.now, bend)]))
+    assert any(len(np.unique(values)) > 1 for values in found["0"])
+    for one, other in zip(found["0"], found["1"], strict=True):
+        np.testing.assert_allclose(one, other, rtol=2e-4, atol=1e-5)
 
 
 @pytest.fixture(scope="module")

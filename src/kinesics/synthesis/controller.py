@@ -288,8 +288,14 @@ class Controller:
             planned = self._weighing.planned(self._intention, self.now)
             if planned is not None:
                 yield
+            if self._pursuits is not wishes:
+                continue
+            drawing = self._rng.bit_generator.state
+            taken = self._taken(self._weighing.row(self.now, missed, planned))
+            yield
             if self._pursuits is wishes:
-                return self._taken(self._weighing.row(self.now, missed, planned))
+                return taken
+            self._rng.bit_generator.state = drawing
 
     def _without_choice(self) -> int | None:
         """The next path where rows of P are not asked: one that was planned, the first, one on the way to a stance."""

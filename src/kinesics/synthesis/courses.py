@@ -92,7 +92,7 @@ def perform_paths(
     ----------
     seconds : how long, at most.
     finish : whether to end when the goals are attained (and the performer stands, if it can), before the time is up.
-    after_each : called after every decision with all so far; may set the controller right (`kinesics.synthesis.underway`).
+    after_each : called after every decision with all so far; may set the controller right, as by `Controller.be_at`.
 
     Raises
     ------

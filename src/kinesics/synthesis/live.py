@@ -31,10 +31,12 @@ from kinesics.synthesis.treading import Treading
 
 Array = NDArray[np.float64]
 
-AHEAD: Final = 0.3
+AHEAD: Final = 0.32
 """Seconds of what comes that are known where nothing else is said: about as long as a human takes to change its mind."""
 _SHORTLY: Final = 3
 """Frames: while fewer are known it is hurried."""
+_PARTS: Final = 60.0
+"""Parts a second in which decisions and cuts are got ready: some seven from being asked for to being known."""
 LONGEST_AHEAD: Final = 10.0
 """Seconds."""
 _DONE: Final = object()
@@ -139,6 +141,7 @@ class LiveRenderer:
         self._under_way: Iterator[None] | None = None
         self._ended = False
         self._ahead = round(ahead * network.repertoire.fps)
+        self._parts = max(round(_PARTS / network.repertoire.fps), 1)
         self._frame = self._reaches = 0
         self._blends: list[Blend] = []
 
@@ -194,7 +197,7 @@ class LiveRenderer:
 
     def _look(self) -> None:
         """Ask for what comes, and get ready for it: one after the other, if there is time."""
-        for _ in range(1 if self._reaches - self._frame >= _SHORTLY else 2):
+        for _ in range(self._parts + (self._reaches - self._frame < _SHORTLY)):
             self._prepare()
         while not self._known:
             if self._ended:
@@ -269,9 +272,10 @@ class LiveRenderer:
     def _over(self, path: int, bend: float) -> Iterator[None]:
         """Get ready for a path of another recording; in parts."""
         crossing = self._cuts.crossing(self._last, path, self._turn, self.heading)
+        leap = self._cuts.leap(crossing) if self.pinned else 0j
+        yield
         seam = self._cuts.seam(crossing)
         yield
-        leap = self._cuts.leap(crossing) if self.pinned else 0j
         earlier = self._blends[-1] if self._blends and self._blends[-1].ends > self._reaches else None
         blend = self._cuts.blend(seam, leap, self._reaches, self._reaches - self._frame, earlier)
         if earlier is not None:
@@ -281,7 +285,6 @@ class LiveRenderer:
         self._turn = crossing.turn
         self._laid += crossing.aside
         self.heading += crossing.met
-        yield
         self._lay(path, bend)
 
 

@@ -14,6 +14,8 @@ References
 from __future__ import annotations
 
 import itertools
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Final
@@ -165,6 +167,18 @@ def shares_of(seconds: Array, lookahead: float) -> Array:
         fading = SOON / lookahead
         seconds = np.exp(-fading * (ends - seconds)) - np.exp(-fading * ends)
     return np.asarray(seconds / seconds.sum(axis=-1, keepdims=True), dtype=np.float64)
+
+
+def shares_of_chain(seconds: Sequence[float], lookahead: float) -> list[float]:
+    """The same of one chain, in plain numbers."""
+    shares, ended = list(seconds), 0.0
+    if lookahead:
+        fading = SOON / lookahead
+        for k, lasts in enumerate(seconds):
+            begun, ended = ended, ended + lasts
+            shares[k] = math.exp(-fading * begun) - math.exp(-fading * ended)
+    total = sum(shares)
+    return [share / total for share in shares]
 
 
 def prospects(network: Network, lookahead: float = LOOKAHEAD, *, hold: float = 0.2, seed: int = 0) -> Prospects:

@@ -23,6 +23,11 @@ def as_complex(position: tuple[float, float]) -> complex:
 
 def place_of(position: object, name: str) -> tuple[float, float]:
     """A place, x and z in metres. Raises InputError where ``position`` is none, or lies beyond `FAR`."""
+    if type(position) is tuple and len(position) == 2:
+        # what something that moves gives, several times at every decision
+        x, z = position
+        if type(x) is float and type(z) is float and abs(x) <= FAR and abs(z) <= FAR:
+            return x, z
     try:
         values = np.asarray(position, dtype=np.float64)
     except (TypeError, ValueError):

@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from kinesics import compiled
 from kinesics.errors import InputError
 from kinesics.synthesis import ways
 from kinesics.synthesis.goals.arguments import check_name, check_positive, check_weight, is_number
 from kinesics.synthesis.goals.naming import paths_of
 from kinesics.synthesis.goals.pursuit import Feature, Pursuit, Situation
-from kinesics.synthesis.prospects import AT_ONCE, Prospects, shares_of
+from kinesics.synthesis.prospects import AT_ONCE, Prospects, shares_of, shares_of_chain
 
 if TYPE_CHECKING:
     from kinesics.synthesis.network import Network
@@ -90,6 +91,7 @@ class _Fresh(Pursuit):
 
     def __init__(self, network: Network, prospects: Prospects, goal: Novelty) -> None:
         self._duration = np.asarray(network.duration, dtype=np.float64)
+        self._lasts: list[float] = self._duration.tolist()
         self._lookahead = prospects.lookahead
         self._all = prospects
         self._goal = goal
@@ -102,12 +104,18 @@ class _Fresh(Pursuit):
         if not now.plays.any():
             return np.zeros(rows.stop - rows.start)
         known = self._now_known(now)
-        played = (self._all.shares(rows) * np.append(known, 0.0)[self._all.sequence[rows]]).sum(axis=1)
+        shares, sequence = self._all.shares(rows), self._all.sequence[rows]
+        if compiled.wanted():
+            played = np.empty(len(sequence))
+            compiled.native.shared_values(known, sequence, shares, played)
+        else:
+            played = (shares * np.append(known, 0.0)[sequence]).sum(axis=1)
         return np.asarray(self._weight * (played / self._usual(known)) ** 2, dtype=np.float64)
 
     def chain(self, paths: Sequence[int], now: Situation) -> float:
         known = self._now_known(now)
-        played = known[list(paths)] @ shares_of(self._duration[list(paths)], self._lookahead)
+        shares = shares_of_chain([self._lasts[path] for path in paths], self._lookahead)
+        played = sum(float(known[path]) * share for path, share in zip(paths, shares, strict=True))
         return float(self._weight * (played / self._usual(known)) ** 2)
 
     def _usual(self, known: Array) -> float:
@@ -169,7 +177,7 @@ class _Leaving(Pursuit):
     """By how much too soon a composite plays what was played lately, or twice within itself: the mean over its frames."""
 
     def __init__(self, network: Network, prospects: Prospects, goal: Onwards) -> None:
-        self._duration = np.asarray(network.duration, dtype=np.float64)
+        self._lasts: list[float] = np.asarray(network.duration, dtype=np.float64).tolist()
         self._lookahead = prospects.lookahead
         self._all = prospects
         self._goal = goal
@@ -177,9 +185,22 @@ class _Leaving(Pursuit):
 
     def miss(self, rows: slice, now: Situation, bend: float) -> Array:
         early = self._early(rows)
-        age = (now.time - now.last_played).astype(np.float32)
-        since = np.minimum(early.begins + age[early.paths], early.again)
-        soon = early.later + (early.shares * np.maximum(1.0 - since / self._goal.within, 0.0)).sum(axis=1)
+        if compiled.wanted():
+            soon = early.later.astype(np.float64)
+            compiled.native.too_soon(
+                now.last_played,
+                now.time,
+                early.paths,
+                early.begins,
+                early.again,
+                early.shares,
+                self._goal.within,
+                soon,
+            )
+        else:
+            age = (now.time - now.last_played).astype(np.float32)
+            since = np.minimum(early.begins + age[early.paths], early.again)
+            soon = early.later + (early.shares * np.maximum(1.0 - since / self._goal.within, 0.0)).sum(axis=1)
         return np.asarray(self._goal.weight * soon**2, dtype=np.float64)
 
     def _early(self, rows: slice) -> _Early:
@@ -198,16 +219,15 @@ class _Leaving(Pursuit):
         return self._known[rows.start]
 
     def chain(self, paths: Sequence[int], now: Situation) -> float:
-        seconds = self._duration[list(paths)]
-        soon = np.zeros(len(seconds))
+        seconds = [self._lasts[path] for path in paths]
         began: dict[int, float] = {}
-        time = 0.0
-        for k, path in enumerate(paths):
+        time = soon = 0.0
+        for path, lasts, share in zip(paths, seconds, shares_of_chain(seconds, self._lookahead), strict=True):
             since = time - began.get(path, float(now.last_played[path]) - now.time)
-            soon[k] = max(1.0 - since / self._goal.within, 0.0)
+            soon += share * max(1.0 - since / self._goal.within, 0.0)
             began[path] = time
-            time += float(seconds[k])
-        return float(self._goal.weight * (shares_of(seconds, self._lookahead) @ soon) ** 2)
+            time += lasts
+        return float(self._goal.weight * soon**2)
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kinesics import compiled
 from kinesics.errors import InputError
 from kinesics.synthesis.goals.arguments import as_complex, check_positive, check_weight, line_of, place_of
 from kinesics.synthesis.goals.pursuit import Pursuit, Situation, TrailPursuit
@@ -44,7 +45,6 @@ FACING: Final = 1.5
 _REMEMBERED: Final = 20_000
 """Paths after something that moves that are told of: an hour of them."""
 _FAN: Final = np.linspace(-1.0, 1.0, BENDS)
-_NOWHERE: Final = np.full((1, 1), np.inf, dtype=np.float32)
 
 
 @dataclass(frozen=True)
@@ -154,18 +154,35 @@ class _Seeking(TrailPursuit):
         """Displacement wished for, in the world; one, or one for each point of the trail."""
         raise NotImplementedError
 
-    def _misses(self, trail: Trail, now: Situation, most: float) -> tuple[Array, Complexes]:
-        """Squared metres at every point of the trails, and the gaps before bending."""
-        from_heading = np.exp(-1j * now.heading)
-        wish = np.atleast_1d(np.asarray(self._wish(now, trail.times[0]) * from_heading))
+    def _wished(self, trail: Trail, now: Situation) -> tuple[NDArray[np.complex128], Array]:
+        """What is wished for as seen from here, as far as can be reached; and how far it truly is, metres: shape (1 or points,)."""
+        wish = np.atleast_1d(np.asarray(self._wish(now, trail.times[0]) * np.exp(-1j * now.heading)))
         far = np.abs(wish)
         if far.max() > self._reach:
             wish = wish * np.minimum(1.0, self._reach / np.maximum(far, 1e-9))
+        return wish, far
+
+    def _misses(self, trail: Trail, wish: NDArray[np.complex128], far: Array, most: float) -> Array:
+        """Squared metres at every point of the trails."""
+        if compiled.wanted():
+            out = np.empty(trail.places.shape)
+            compiled.native.sought(
+                trail.places.view(np.float32),
+                trail.swerve.view(np.float32),
+                trail.headings,
+                trail.times,
+                np.stack([wish.real, wish.imag, far], axis=1),
+                most,
+                self._reach,
+                self._pace,
+                HASTE * self._pace,
+                FACING * self._turning,
+                out,
+            )
+            return out
         gap = trail.places - wish.astype(np.complex64)
-        miss = gap.real**2 + gap.imag**2
-        if most > 0.0:
-            bent = gap + _best_bend(gap, trail.swerve, most) * trail.swerve
-            miss = bent.real**2 + bent.imag**2
+        bent = gap + _best_bend(gap, trail.swerve, most) * trail.swerve
+        miss = bent.real**2 + bent.imag**2
         if self._pace:
             due = np.minimum(far, self._reach) / self._pace
             miss = miss + (HASTE * self._pace * (trail.times - due)) ** 2
@@ -173,16 +190,20 @@ class _Seeking(TrailPursuit):
             ahead = (wish * np.maximum(1.0, far / self._reach) - trail.places).astype(np.complex64)
             off = np.angle(ahead * np.exp(-1j * trail.headings))
             miss = miss + (FACING * self._turning * off * np.minimum(1.0, np.abs(ahead) / self._reach)) ** 2
-        return np.asarray(miss, dtype=np.float64), gap
+        return np.asarray(miss, dtype=np.float64)
 
     def weigh(self, trail: Trail, now: Situation, bend: float) -> Array:
         """See `TrailPursuit`."""
-        return np.asarray(self._scale * self._misses(trail, now, bend)[0].min(axis=1), dtype=np.float64)
+        return np.asarray(
+            self._scale * self._misses(trail, *self._wished(trail, now), bend).min(axis=1), dtype=np.float64
+        )
 
     def bend(self, trail: Trail, now: Situation, most: float) -> float:
         """See `TrailPursuit`."""
-        miss, gap = self._misses(trail, now, most)
-        return float(_best_bend(gap, trail.swerve, most)[0, int(np.argmin(miss))])
+        wish, far = self._wished(trail, now)
+        point = int(np.argmin(self._misses(trail, wish, far, most)))
+        gap = trail.places[:1, point] - wish.astype(np.complex64)[min(point, len(wish) - 1)]
+        return float(_best_bend(gap, trail.swerve[:1, point], most)[0])
 
 
 class ToPlaces(_Seeking):
@@ -224,36 +245,65 @@ class ToPlaces(_Seeking):
         """See `TrailPursuit`: metres from the target when it is met, and metres that could have been walked meanwhile."""
         if not self._pace:
             return super().weigh(trail, now, bend)
-        met, onward, _ = self._prices(trail, now, bend, (0.0, -bend, bend) if bend > 0.0 else (0.0,))
-        return np.asarray(self._scale * np.minimum(met.min(axis=1), onward.min(axis=0)), dtype=np.float64)
+        target = self._seen(now)
+        onward = self._onward(trail, target, bend, (0.0, -bend, bend) if bend > 0.0 else (0.0,))
+        met = self._met(trail, target, bend)
+        least = onward.min(axis=0) if met is None else np.minimum(met.min(axis=1), onward.min(axis=0))
+        return np.asarray(self._scale * least, dtype=np.float64)
 
     def bend(self, trail: Trail, now: Situation, most: float) -> float:
         """See `TrailPursuit`."""
         if not self._pace:
             return super().bend(trail, now, most)
-        bends = most * _FAN
-        met, onward, at_each = self._prices(trail, now, most, bends)
-        k, b = int(np.argmin(met[0])), int(np.argmin(onward[:, 0]))
-        return float(at_each[0, k] if met[0, k] <= onward[b, 0] else bends[b])
+        target, bends = self._seen(now), most * _FAN
+        met, onward = self._met(trail, target, most), self._onward(trail, target, most, bends)[:, 0]
+        b = int(np.argmin(onward))
+        if met is None or met.min() > onward[b]:
+            return float(bends[b])
+        k = int(np.argmin(met[0]))
+        return float(_best_bend(trail.places[:1, k] - target, trail.swerve[:1, k], most)[0])
 
-    def _prices(self, trail: Trail, now: Situation, most: float, bends: ArrayLike) -> tuple[Floats, Floats, Floats]:
-        """Squared metres that it costs to be there at each point of the trails, infinite where one is not; to go on from
-        their ends, for each of the bends; and the bend that leads nearest to each point.
-        """
-        target = np.complex64((self.goal - now.place) * np.exp(-1j * now.heading))
-        straight = max(float(abs(target)) - self._radius, 0.0)
+    def _seen(self, now: Situation) -> np.complex64:
+        """Where the target lies as seen from here."""
+        return np.complex64((self.goal - now.place) * np.exp(-1j * now.heading))
+
+    def _met(self, trail: Trail, target: np.complex64, most: float) -> Array | None:
+        """Squared metres that it costs to be there at each point of the trails, infinite where one is not; None: far off."""
+        straight = self._straight(target)
         if straight > self._all.farthest + most * self._all.widest:
-            met, bent = _NOWHERE, _NOWHERE
-        else:
-            gap = trail.places - target
-            bent = _best_bend(gap, trail.swerve, most)
-            off = gap + bent * trail.swerve
-            square = off.real**2 + off.imag**2
-            late = LATE * np.maximum(self._pace * trail.times - straight, 0.0)
-            met = np.where(square <= max(self._within, LEAST_RADIUS) ** 2, square + late**2, np.inf)
+            return None
+        within = max(self._within, LEAST_RADIUS) ** 2
+        if compiled.wanted():
+            out = np.empty(trail.places.shape)
+            compiled.native.met_at(
+                trail.places.view(np.float32),
+                trail.swerve.view(np.float32),
+                trail.times,
+                float(target.real),
+                float(target.imag),
+                most,
+                within,
+                self._pace,
+                straight,
+                LATE,
+                out,
+            )
+            return out
+        gap = trail.places - target
+        off = gap + _best_bend(gap, trail.swerve, most) * trail.swerve
+        square = off.real**2 + off.imag**2
+        late = LATE * np.maximum(self._pace * trail.times - straight, 0.0)
+        return np.asarray(np.where(square <= within, square + late**2, np.inf), dtype=np.float64)
+
+    def _onward(self, trail: Trail, target: np.complex64, most: float, bends: ArrayLike) -> Floats:
+        """What it costs to go on from the ends of the trails, for each of the bends: shape (bends, rows)."""
         seconds = self._all.to_go(self._radius, most).by(trail, complex(target), np.asarray(bends, dtype=np.float32))
-        late = LATE * np.maximum(self._pace * seconds - straight, 0.0)
-        return met, late**2 + (self._radius / 2.0) ** 2, bent
+        late = LATE * np.maximum(self._pace * seconds - self._straight(target), 0.0)
+        return np.asarray(late**2 + (self._radius / 2.0) ** 2, dtype=np.float32)
+
+    def _straight(self, target: np.complex64) -> float:
+        """Metres to go, straight on."""
+        return max(float(abs(target)) - self._radius, 0.0)
 
     def _wish(self, now: Situation, times: Floats) -> complex:
         return self.goal - now.place
