@@ -383,3 +383,11 @@ def test_who_stands_turns_with_the_feet(made: Network) -> None:
 
 def done_motion(made: Network, rotations: np.ndarray, roots: np.ndarray) -> kx.Motion:
     return kx.Motion(made.repertoire.skeleton, rotations, roots, made.repertoire.fps)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_joints_that_take_their_own_time_stay_within_their_range(seed: int) -> None:
+    """Collar bones that hardly ever move go over for longer than the window of a transition: within their range all the while."""
+    kicks = kx.performer.perform("side_kicks", fps=30, noise_degrees=0.5, noise_kind="smooth", seed=seed).motion
+    done = kx.performance([kicks], seconds=15, fps=60, seed=1)
+    assert done.check.beyond_range < 1e-6

@@ -161,7 +161,9 @@ def render(
     blended = _blend(stage, laid, _NEAR * network.threshold)
     rotations, roots = blended.rotations, blended.roots
     if len(laid.cuts):
-        put_within_range(stage, rotations, np.arange(stage.carrier + 1, rotations.shape[1]), blended.weight < 1.0)
+        # joints in their own time go over for longer than the window lasts
+        touched = np.any(rotations != laid.rotations, axis=(1, 2))
+        put_within_range(stage, rotations, np.arange(stage.carrier + 1, rotations.shape[1]), touched)
     changed = quaternion.angle(rotations, laid.rotations).max(axis=1) > 1e-7
     changed |= (blended.weight < 1.0) | np.any(roots != laid.roots, axis=1)
     standing = _standing(network.repertoire, laid)
