@@ -96,6 +96,48 @@ void held_in_range(Rotations rotations, Quaternions middle, Vectors low, Vectors
     }
 }
 
+// The joints between root and soles, parents first, the root at their head.
+class Chain {
+  public:
+    Chain(std::vector<std::size_t> joints, std::vector<std::size_t> above, std::vector<Vector> offsets)
+        : joints(std::move(joints)), above(std::move(above)), offsets(std::move(offsets)) {
+        bool good = !this->joints.empty() && this->joints.size() == this->above.size() && this->joints.size() == this->offsets.size();
+        for (std::size_t k = 1; good && k < this->joints.size(); ++k) good = this->above[k] < k;
+        if (!good) throw std::invalid_argument("kinesics._native.Chain: no chain");
+    }
+
+    // Their rotations, places and orientations in the world.
+    nb::tuple placed(Quaternions rotations, const Vector &root) const {
+        std::vector<Vector> places(joints.size());
+        std::vector<Quaternion> local(joints.size()), world(joints.size());
+        for (std::size_t k = 0; k < joints.size(); ++k) {
+            if (joints[k] >= rotations.shape(0)) throw std::invalid_argument("kinesics._native.Chain: too few joints");
+            std::copy_n(rotations.data() + 4 * joints[k], 4, local[k].begin());
+            if (k == 0) {
+                places[k] = root;
+                world[k] = local[k];
+                continue;
+            }
+            Vector arm;
+            turn(world[above[k]].data(), offsets[k].data(), arm.data());
+            for (int n = 0; n < 3; ++n) places[k][n] = places[above[k]][n] + arm[n];
+            multiply(world[above[k]].data(), local[k].data(), world[k].data());
+        }
+        return nb::make_tuple(listed(local), listed(places), listed(world));
+    }
+
+  private:
+    template <class Values>
+    static nb::list listed(const std::vector<Values> &values) {
+        nb::list out;
+        for (const Values &one : values) out.append(plain(one));
+        return out;
+    }
+
+    std::vector<std::size_t> joints, above;
+    std::vector<Vector> offsets;
+};
+
 struct Given {
     double seconds, brake, rounding, soft, straightest, backward;
 };
@@ -288,6 +330,10 @@ void bind_live(nb::module_ &m) {
           "before"_a.noconvert(), "after"_a.noconvert(), "share"_a.noconvert(), "time"_a);
     m.def("held_in_range", &held_in_range, "rotations"_a.noconvert(), "middle"_a.noconvert(), "low"_a.noconvert(),
           "high"_a.noconvert(), "first"_a);
+    nb::class_<Chain>(m, "Chain")
+        .def(nb::init<std::vector<std::size_t>, std::vector<std::size_t>, std::vector<Vector>>(), "joints"_a, "above"_a,
+             "offsets"_a)
+        .def("placed", &Chain::placed, "rotations"_a.noconvert(), "root"_a);
     nb::class_<Leg>(m, "Leg")
         .def(nb::init<const std::array<std::size_t, 3> &, const std::array<std::size_t, 3> &, const std::array<Quaternion, 3> &,
                       const std::array<Vector, 3> &, const std::array<Vector, 3> &, const std::array<double, 3> &,

@@ -198,6 +198,15 @@ def blended(
 def held_in_range(rotations: _Doubles, middle: _Doubles, low: _Doubles, high: _Doubles, first: int) -> None:
     """Hold ``rotations`` (joints, 4) from joint ``first`` on between the ends of their ranges, in place."""
 
+class Chain:
+    """The joints between root and soles, parents first, the root at their head."""
+
+    def __init__(self, joints: list[int], above: list[int], offsets: list[_Vector]) -> None: ...
+    def placed(
+        self, rotations: _Doubles, root: _Vector
+    ) -> tuple[list[_Quaternion], list[_Vector], list[_Quaternion]]:
+        """Their rotations, of those of all joints (joints, 4); their places and orientations in the world."""
+
 class Leg:
     """One leg of one performance, which goes gently: see ``kinesics.synthesis.live_leg``."""
 

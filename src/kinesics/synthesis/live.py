@@ -34,9 +34,8 @@ Array = NDArray[np.float64]
 AHEAD: Final = 0.32
 """Seconds of what comes that are known where nothing else is said: about as long as a human takes to change its mind."""
 _SHORTLY: Final = 3
-"""Frames: while fewer are known it is hurried."""
-_PARTS: Final = 60.0
-"""Parts a second in which decisions and cuts are got ready: some seven from being asked for to being known."""
+"""Frames: while fewer are known, or less than half of what is to be, it is hurried: two parts of a decision or cut are done in a
+frame, of the seven that there are at most from being asked for to being known."""
 LONGEST_AHEAD: Final = 10.0
 """Seconds."""
 _DONE: Final = object()
@@ -141,7 +140,7 @@ class LiveRenderer:
         self._under_way: Iterator[None] | None = None
         self._ended = False
         self._ahead = round(ahead * network.repertoire.fps)
-        self._parts = max(round(_PARTS / network.repertoire.fps), 1)
+        self._hurried = max(_SHORTLY, self._ahead // 2)
         self._frame = self._reaches = 0
         self._blends: list[Blend] = []
 
@@ -197,7 +196,7 @@ class LiveRenderer:
 
     def _look(self) -> None:
         """Ask for what comes, and get ready for it: one after the other, if there is time."""
-        for _ in range(self._parts + (self._reaches - self._frame < _SHORTLY)):
+        for _ in range(1 if self._reaches - self._frame >= self._hurried else 2):
             self._prepare()
         while not self._known:
             if self._ended:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics import compiled
+from kinesics.body.skeleton import Skeleton
 from kinesics.geometry import single
 from kinesics.geometry.single import Quaternion, Vector
 from kinesics.synthesis import inverse_kinematics
@@ -116,6 +117,14 @@ class Stepped(NamedTuple):
     """Height of the lowest point of the sole, metres."""
 
 
+class Chain(Protocol):
+    """The joints between root and soles, parents first."""
+
+    def placed(self, rotations: Array, root: Vector) -> tuple[list[Quaternion], list[Vector], list[Quaternion]]:
+        """Their rotations, of those of all joints (joints, 4); their places and orientations in the world."""
+        ...
+
+
 class Leg(Protocol):
     """A leg of one performance."""
 
@@ -142,6 +151,16 @@ class Leg(Protocol):
         ...
 
 
+def chain(skeleton: Skeleton, joints: list[int]) -> Chain:
+    """Joints of a skeleton, each after its parent; compiled where that was built."""
+    place = {joint: k for k, joint in enumerate(joints)}
+    above = [0, *(place[skeleton.parents[joint]] for joint in joints[1:])]
+    offsets = [_vector(skeleton.offsets[joint]) for joint in joints]
+    if compiled.wanted():
+        return compiled.native.Chain(joints, above, offsets)
+    return _PlainChain(joints, above, offsets)
+
+
 def leg(stage: Stage, k: int, place: dict[int, int]) -> Leg:
     """The left (0) or right (1) leg of one performance; compiled where that was built."""
     joints = stage.legs.femurs[k], stage.legs.tibias[k], stage.legs.feet[k]
@@ -165,6 +184,24 @@ def leg(stage: Stage, k: int, place: dict[int, int]) -> Leg:
         inverse_kinematics.STRAIGHTEST,
         inverse_kinematics.BACKWARD_KNEE,
     )
+
+
+class _PlainChain:
+    """In plain numbers."""
+
+    def __init__(self, joints: list[int], above: list[int], offsets: list[Vector]) -> None:
+        self._joints = np.array(joints)
+        self._links = list(zip(above, offsets, strict=True))[1:]
+
+    def placed(self, rotations: Array, root: Vector) -> tuple[list[Quaternion], list[Vector], list[Quaternion]]:
+        """See `Chain`."""
+        local: list[Quaternion] = list(map(tuple, rotations[self._joints].tolist()))
+        places, world = [root], [local[0]]
+        for (parent, offset), own in zip(self._links, local[1:], strict=True):
+            above = world[parent]
+            places.append(single.add(places[parent], single.rotate(above, offset)))
+            world.append(single.multiply(above, own))
+        return local, places, world
 
 
 class _Plain:

@@ -24,7 +24,7 @@ from kinesics.geometry import single
 from kinesics.geometry.single import Quaternion, Vector
 from kinesics.synthesis import inverse_kinematics
 from kinesics.synthesis.foresight import Coming, Foresight
-from kinesics.synthesis.live_leg import Gently, Leg, leg
+from kinesics.synthesis.live_leg import Gently, Leg, chain, leg
 from kinesics.synthesis.repertoire import Repertoire
 from kinesics.synthesis.stage import (
     BEARING,
@@ -81,8 +81,7 @@ class Treading:
         self._held, self._near = (_holds(repertoire, standing, reach * fps) for reach in (RELEASE, LIFT))
         joints = _hanging(skeleton.parents, [*legs.femurs, *legs.tibias, *legs.feet, *soles.joints.ravel().tolist()])
         place = {joint: k for k, joint in enumerate(joints)}
-        self._joints = np.array(joints)
-        self._links = [(place[skeleton.parents[j]], _vector(skeleton.offsets[j])) for j in joints[1:]]
+        self._chain = chain(skeleton, joints)
         self._feet = [
             _Foot(
                 leg(stage, k, place),
@@ -104,8 +103,7 @@ class Treading:
     def step(self, rotations: Array, root: Vector, image: int, frame: int, coming: tuple[Coming, Coming]) -> Vector:
         """Plant the feet of one frame: the legs' rotations, of (joints, 4), in place; and where the root comes to be."""
         feet = self._feet
-        local = list(map(tuple, rotations[self._joints].tolist()))
-        places, world = self._forward(local, root)
+        local, places, world = self._chain.placed(rotations, root)
         held, near = self._held[image, frame].tolist(), self._near[image, frame].tolist()
         lean = complex(self._lean_z, self._lean_x)
         for k, foot in enumerate(feet):
@@ -158,22 +156,12 @@ class Treading:
         """
         soles = []
         for rotations, root in (left, entered):
-            local = list(map(tuple, rotations[self._joints].tolist()))
-            at = self._forward(local, root)
-            soles.append([(foot.placed(*at)) for foot in self._feet])
+            _, places, world = self._chain.placed(rotations, root)
+            soles.append([foot.placed(places, world) for foot in self._feet])
         total = 0j
         for foot, before, after, weight in zip(self._feet, *soles, borne, strict=True):
             total += weight * foot.slid(before, after)
         return total / (sum(borne) + _FLIGHT)
-
-    def _forward(self, local: list[Quaternion], root: Vector) -> tuple[list[Vector], list[Quaternion]]:
-        """Places and orientations in the world of the joints between root and soles."""
-        places, world = [root], [local[0]]
-        for (parent, offset), own in zip(self._links, local[1:], strict=True):
-            above = world[parent]
-            places.append(single.add(places[parent], single.rotate(above, offset)))
-            world.append(single.multiply(above, own))
-        return places, world
 
 
 class _Foot:
