@@ -54,6 +54,8 @@ def summarize(piece: Piece, out: Sequence[Path] = ()) -> None:
         console.print(
             f"  {counted(len(crossings), 'transition')}, one every {motion.duration / len(crossings):.1f} s"
             + (f"; {mirrors} of them between left and right" if mirrors else "")
+            if len(crossings) > 1
+            else f"  1 transition{', between left and right' if mirrors else ''}"
         )
     else:
         console.print("  no transition: one stretch of one recording")
@@ -100,10 +102,9 @@ def _left_out(piece: Piece) -> list[str]:
 
     net = piece.network
     total = unused.used(net)
-    if not piece.pruned:
+    if total.unused <= 0.0:
         return []
-    either = " or mirrored" if piece.parameters["mirrored"] else ""
-    lines = [f"not used, for no way leads there or back: {total.unused:.0%} of what was recorded{either}"]
+    lines = [f"not used, for no way leads there or back: {total.unused:.0%} of what was recorded"]
     if total.unused < MUCH:
         return lines
     dearest = sorted(piece.pruned, key=lambda p: -p.seconds)
@@ -112,12 +113,12 @@ def _left_out(piece: Piece) -> list[str]:
         lines.append(f"  and {sum(p.seconds for p in more):.1f} s of others, told in the provenance")
     if total.unused >= MOSTLY:
         return lines
-    if total.recorded > unused.TRIED:
+    if unused.too_many(net):
         return [*lines, f"a larger --threshold than {net.threshold:.2g}, or more recordings like it, may join it"]
     larger = unused.larger_threshold(net)
     if larger is None:
         return [*lines, "no larger --threshold joins much more of it; more recordings like it may"]
-    left = 1.0 - larger.seconds / total.recorded
+    left = larger.seconds.unused
     return [
         *lines,
         f"--threshold {larger.threshold:g} leaves out {left:.0%}, by transitions between moments less alike",

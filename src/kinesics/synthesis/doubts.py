@@ -49,6 +49,8 @@ def doubts(
     most: float,
     seconds: float | None,
     shorter: Shorter | None = None,
+    *,
+    whole: bool = True,
     progress: Progress = silent,
 ) -> tuple[str, ...]:
     """What did not go as wished, what does not stay where the recordings were, and what helps.
@@ -58,10 +60,11 @@ def doubts(
     most : seconds that were allowed.
     seconds : those that were asked for, if any were.
     shorter : how one would come to the place by a far shorter way, if that was found.
+    whole : whether what can be performed is the largest part that holds together, not another that was wished for.
     progress : called as a larger threshold is tried, where most of the recordings is not used.
     """
     said = (
-        _unused(piece, progress),
+        _unused(piece, whole, progress),
         _stays(piece, wish),
         _repeated(piece, wish),
         _round_and_round(piece),
@@ -76,18 +79,17 @@ def doubts(
     return tuple(line for line in said if line)
 
 
-def _unused(piece: Piece, progress: Progress) -> str:
+def _unused(piece: Piece, whole: bool, progress: Progress) -> str:
     """What hardly anything is performed of: of all of it together, or of a recording."""
     net = piece.network
-    either = ", mirror images counted" if len(net.repertoire.strands) > 1 else ""
-    if unused.used(net).unused >= MOSTLY:
+    if whole and unused.used(net).unused >= MOSTLY:
         shown, total = unused.used_of_each(net), unused.used(net)
         of = ", ".join(f"of '{one.name}' {_of(one.seconds)}" for one in shown[:NAMED])
         if more := shown[NAMED:]:
             rest = unused.Used(*(sum(one.seconds[k] for one in more) for k in range(2)))
             of += f", of {len(more)} more {_of(rest)}"
         return (
-            f"most of what was recorded is not used: {total.used:.1f} of {total.recorded:.1f} s hold together{either}"
+            f"most of what was recorded is not used: {total.used:.1f} of {total.recorded:.1f} s hold together"
             + (f" ({of})" if len(shown) > 1 else "")
             + f"; no way leads to the rest, or none back. {_joining(piece, progress)}"
         )
@@ -108,14 +110,14 @@ def _joining(piece: Piece, progress: Progress) -> str:
     """What would make it more."""
     net = piece.network
     others = "longer recordings, or more that are like them in pose, speed and footing, would join it"
-    if unused.used(net).recorded > unused.TRIED:
+    if unused.too_many(net):
         return f"A larger `threshold` (--threshold) than {net.threshold:.2g} may join it; {others}"
     larger = unused.larger_threshold(net, progress)
     if larger is None:
         return f"No larger `threshold` joins much more; {others}"
     return (
-        f"`threshold` {larger.threshold:g} (--threshold {larger.threshold:g}) makes it {larger.seconds:.1f} s, by transitions "
-        f"between moments less alike; {others} as smoothly"
+        f"`threshold` {larger.threshold:g} (--threshold {larger.threshold:g}) makes it {larger.seconds.used:.1f} s, by "
+        f"transitions between moments less alike; {others} as smoothly"
     )
 
 
@@ -124,19 +126,21 @@ def _stays(piece: Piece, wish: Wish) -> str:
     if wish.ends or wish.favour is not None or piece.stays is None:
         return ""
     where = f"for all of {piece.motion.duration:.1f} s, within {_metres(piece.stays)} of where it begins"
-    among = unused.used(piece.network).unused >= MOSTLY
     helps = "give another seed (--seed), what to favour (--favour), or a place to go to (`target`, --target)"
-    moves, recorded = staying.moving(piece), staying.moving_recorded(piece.network.repertoire)
+    net = piece.network
+    moves, recorded = staying.moving(piece), staying.moving_recorded(net.repertoire)
     if moves < STILL * recorded:
+        no_more = staying.moving_recorded(net.repertoire, unused.frames_of(net)) < STILL * recorded
         return (
             f"the body stands nearly still {where}: it moves in {moves:.0%} of the time, in the recordings in {recorded:.0%}; "
-            + ("what moves more is among what is not used" if among else helps)
+            + ("what moves more is among what is not used" if no_more else helps)
         )
     going = staying.going_about(piece)
     if not going:
         return ""
+    usable = {one.name for one in unused.used_of_each(net) if one.seconds.unused < MOSTLY}
     return f"the body stays in place {where}, though in {some_of(going, 8)} it goes about; " + (
-        "that is among what is not used" if among else helps
+        helps if usable.intersection(going) else "most of that is not used"
     )
 
 
@@ -267,12 +271,16 @@ def _leapt(piece: Piece) -> str:
     if not len(begins):
         return ""
     shown = ", ".join(f"{second:.1f} s" for second in begins[:4].tolist())
-    more = f" and {len(begins) - 4} times more" if len(begins) > 4 else ""
+    more = _more(len(begins) - 4)
     return (
         f"the body leaps at {shown}{more} as it does in the recordings, by more than {100 * THROWN:g} cm from one frame to the "
         "next: what was wished for leads through these faults, or nothing else goes on from there; mend them, or give other "
         "recordings"
     )
+
+
+def _more(times: int) -> str:
+    return "" if times <= 0 else " and once more" if times == 1 else f" and {times} times more"
 
 
 def _slid(piece: Piece) -> list[str]:
@@ -304,7 +312,7 @@ def _jolted(piece: Piece) -> str:
     if not leaps:
         return ""
     shown = ", ".join(f"{leap.frame / fps:.2f} s ({leap.foot})" for leap in leaps[:4])
-    more = f" and {len(leaps) - 4} times more" if len(leaps) > 4 else ""
+    more = _more(len(leaps) - 4)
     return (
         f"an ankle is thrown off its way for a frame at {shown}{more}: there the recording's foot turns or slides so quickly "
         "while it bears that the leg must follow; another seed (--seed) may do without"

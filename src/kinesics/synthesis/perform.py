@@ -256,7 +256,8 @@ def fulfil(
             most,
             seconds,
             best.shorter,
-            lambda share, message="": progress(0.95 + 0.05 * share, message),
+            whole=serving is largest,
+            progress=lambda share, message="": progress(0.95 + 0.05 * share, message),
         )
     )
     progress(1.0, "performed")

@@ -16,6 +16,8 @@ from kinesics.synthesis.limits import BLEND
 from kinesics.synthesis.piece import IN_PLACE, Piece
 from kinesics.synthesis.repertoire import Repertoire
 
+Mask = NDArray[np.bool_]
+
 LOOKED_AT: Final = 9
 """Beginnings of a stretch of a recording that are looked at, whether the body stays in place."""
 _BLOCK: Final = 4096
@@ -37,18 +39,20 @@ def going_about(piece: Piece) -> list[str]:
 def moving(piece: Piece) -> float:
     """Share of the performance in which the pose changes by more than a body at rest sways, within the time of a blend."""
     own = poses(piece.motion).quaternions
-    return _share(own, np.array([0, len(own)]), piece.motion.fps)
+    return _share(own, np.array([0, len(own)]), piece.motion.fps, np.ones(len(own), np.bool_))
 
 
-def moving_recorded(stock: Repertoire) -> float:
-    """The same of all recordings together."""
-    return _share(stock.poses.quaternions, stock.starts, stock.fps)
+def moving_recorded(stock: Repertoire, among: Mask | None = None) -> float:
+    """The same of all recordings together, or of some of their frames, shape (frames,)."""
+    every = np.ones(stock.frame_count, dtype=np.bool_)
+    return _share(stock.poses.quaternions, stock.starts, stock.fps, every if among is None else among)
 
 
-def _share(quaternions: NDArray[np.float64], starts: NDArray[np.intp], fps: float) -> float:
+def _share(quaternions: NDArray[np.float64], starts: NDArray[np.intp], fps: float, among: Mask) -> float:
     lag, weights = max(1, round(BLEND * fps)), check_weights(None)
     index = np.arange(len(quaternions) - lag)
-    early = index[np.searchsorted(starts, index, "right") == np.searchsorted(starts, index + lag, "right")]
+    together = np.searchsorted(starts, index, "right") == np.searchsorted(starts, index + lag, "right")
+    early = index[together & among[index]]
     if not len(early):
         return 0.0
     count = sum(

@@ -5,17 +5,18 @@ from __future__ import annotations
 from typing import Final, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinesics.progress import Progress, silent
 from kinesics.synthesis.network import Network
-from kinesics.synthesis.reach import Reach, farther
+from kinesics.synthesis.reach import farther
 
 TRIED: Final = 240.0
 """Seconds of recordings and their images, up to which a larger threshold is tried rather than advised."""
 
 
 class Used(NamedTuple):
-    """Seconds, mirror images counted where they may be used."""
+    """Seconds of recordings. What is performed mirrored or backwards alone is used, too."""
 
     used: float
     """That can be performed."""
@@ -34,21 +35,47 @@ class OfRecording(NamedTuple):
     seconds: Used
 
 
+class Larger(NamedTuple):
+    """A larger threshold, which has been tried."""
+
+    threshold: float
+    """Mean D."""
+    seconds: Used
+
+
 def used(network: Network) -> Used:
     """Of all recordings together."""
-    stock = network.repertoire
-    return Used(network.seconds, stock.frame_count * len(stock.strands) / stock.fps)
+    frames = frames_of(network)
+    fps = network.repertoire.fps
+    return Used(int(np.count_nonzero(frames)) / fps, len(frames) / fps)
 
 
 def used_of_each(network: Network) -> list[OfRecording]:
     """Of each recording, those first of which most is left out."""
     stock = network.repertoire
-    played = np.bincount(network.recording, network.duration, minlength=stock.recording_count)
-    have = np.diff(stock.starts) * len(stock.strands) / stock.fps
+    played = np.add.reduceat(frames_of(network).astype(np.intp), stock.starts[:-1]) / stock.fps
+    have = np.diff(stock.starts) / stock.fps
     out = [OfRecording(*one) for one in zip(stock.names, map(Used, played.tolist(), have.tolist()), strict=True)]
     return sorted(out, key=lambda one: one.seconds.used - one.seconds.recorded)
 
 
-def larger_threshold(network: Network, progress: Progress = silent) -> Reach | None:
-    """See `kinesics.synthesis.reach.farther`; None where there is too much to try it with, too."""
-    return farther(network, progress) if used(network).recorded <= TRIED else None
+def too_many(network: Network) -> bool:
+    """Whether there are too many recordings to try a larger threshold with."""
+    stock = network.repertoire
+    return stock.frame_count * len(stock.strands) > TRIED * stock.fps
+
+
+def larger_threshold(network: Network, progress: Progress = silent) -> Larger | None:
+    """The least threshold that joins most of what can be joined at all (`kinesics.synthesis.reach.farther`); None for none."""
+    found = farther(network, progress)
+    return None if found is None else Larger(found.threshold, used(found.network))
+
+
+def frames_of(network: Network) -> NDArray[np.bool_]:
+    """Which frames of the recordings a network plays in whatever strand, shape (frames,)."""
+    stock = network.repertoire
+    ends = np.sort(stock.frame_of(np.stack([network.first, network.last])), axis=0)
+    steps = np.zeros(stock.frame_count + 1, dtype=np.intp)
+    np.add.at(steps, ends[0], 1)
+    np.add.at(steps, ends[1] + 1, -1)
+    return np.asarray(np.cumsum(steps)[:-1] > 0)
