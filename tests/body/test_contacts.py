@@ -190,6 +190,15 @@ def test_speeds_are_as_true_at_either_end_as_between(fps: float) -> None:
     assert np.allclose(touching.speeds_of(points, fps)[:, 0], speed)
 
 
+@pytest.mark.parametrize("fps", [24.0, 100.0, 240.0, 1000.0])
+def test_speeds_are_told_of_any_number_of_frames(fps: float) -> None:
+    """What moves evenly has its speed in each of them; there is no number of frames for which it cannot be told."""
+    for frames in range(2, 60):
+        points = np.zeros((frames, 1, 3))
+        points[:, 0, 2] = 0.7 * np.arange(frames) / fps
+        assert np.allclose(touching.speeds_of(points, fps), 0.7)
+
+
 def test_speeds_of_a_moment_are_none() -> None:
     """One frame does not move; of two it is what lies between them."""
     point = np.zeros((2, 1, 3))

@@ -420,3 +420,17 @@ def test_cut_and_changed_bytes_are_an_error_or_a_motion(data: st.DataObject) -> 
         path.write_bytes(data.draw(small_files.spoilt(path.read_bytes())))
         with contextlib.suppress(FileError):
             assert kx.read(path).frame_count >= 1
+
+
+def test_who_stands_still_stands_as_long_as_before(tmp_path: Path) -> None:
+    """Nothing moves in ninety frames: they come back as ninety."""
+    stand = kx.performer.stand(seconds=1.0, fps=30).motion
+    still = stand.replace(
+        rotations=np.repeat(stand.rotations[:1], 90, axis=0),
+        root_positions=np.repeat(stand.root_positions[:1], 90, axis=0),
+    )
+    path = tmp_path / "still.glb"
+    kx.write(still, path)
+    again = kx.read(path)
+    assert again.frame_count == 90
+    assert again.fps == pytest.approx(30.0)

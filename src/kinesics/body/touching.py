@@ -98,7 +98,7 @@ def speeds_of(points: Array, fps: float) -> Array:
     before, after = np.maximum(at - w, 0), np.minimum(at + w, frames - 1)
     seconds = np.maximum(after - before, 1) / fps
     way = points[after] - points[before]
-    if frames > 2 * w:
+    if frames >= 3 * w:
         # at either end to second order: a foot that is just being lifted there is not as slow as it was
         first, last = at[:w], at[-w:]
         way[:w] = (4.0 * points[first + w] - 3.0 * points[first] - points[first + 2 * w]) * 0.5

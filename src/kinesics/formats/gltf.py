@@ -223,7 +223,7 @@ def _add_figure(document: GLTF2, data: _Data, body: Figure) -> None:
 
 
 def _animation(motion: Motion, data: _Data, name: str) -> Any:
-    """A key for every frame, or a single one for what does not move."""
+    """A key for every frame, or a single one for what does not move: but for the root's place, which says how long it lasts."""
     from pygltflib import Animation, AnimationChannel, AnimationChannelTarget, AnimationSampler
 
     times = _single(np.arange(motion.frame_count) / motion.fps)
@@ -238,7 +238,7 @@ def _animation(motion: Motion, data: _Data, name: str) -> Any:
 
     def channel(joint: int, path: str, values: NDArray[np.float32], kind: str) -> None:
         nonlocal once
-        still = bool(np.all(values == values[0]))
+        still = bool(np.all(values == values[0])) and (joint, path) != (0, "translation")
         if still and once < 0:
             once = data.add(times[:1], "SCALAR", bounds=True) if motion.frame_count > 1 else every
         keys = data.add(values[:1] if still else values, kind)

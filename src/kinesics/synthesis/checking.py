@@ -33,8 +33,11 @@ SUNK: Final = 0.01
 ROUNDING: Final = 1e-6
 """Radians that are no excess."""
 LEAP: Final = 175.0
-"""m/s²: an ankle that is accelerated by more from one frame to the next leaps, unless the recording does so there: 18 g, a
-centimetre and more in a frame at 120 frames a second, a decimetre at 40."""
+"""m/s²: an ankle that is accelerated by more leaps, unless the recording does so there: 18 g, by which what is thrown aside for
+`_WITHIN` is 6 mm off its way. Of fewer frames a second it is more, 2.4 cm at 60 and 10 cm at 30: what a foot does within a
+thirtieth of a second nobody tells from a stride."""
+_WITHIN: Final = 1.0 / 120.0
+"""Seconds to either side over which it is measured, or a frame where that is longer."""
 BEYOND: Final = 2.5
 """Times what the recording does there: so much more is a leap."""
 _ABOUT: Final = 0.05
@@ -62,7 +65,7 @@ class Leap(NamedTuple):
     frame: int
     """Of the performance."""
     acceleration: float
-    """m/s², from one frame to the next."""
+    """m/s²."""
 
 
 class Check(NamedTuple):
@@ -188,12 +191,13 @@ def slide(points: Array, height: Array) -> float:
 def _leaps(done: Performance, ankles: Array, stage: Stage) -> tuple[Leap, ...]:
     """Ankles (frames, 2, 3) that leap as what they play does not; of those that follow at once, the greatest."""
     repertoire, fps, moments = stage.repertoire, done.motion.fps, done.provenance.moment
-    pushed = np.linalg.norm(np.diff(ankles, 2, axis=0), axis=-1) * fps**2
+    w = max(1, round(_WITHIN * fps))
+    pushed = _pushed(ankles, w, fps)
     reach = max(2, round(_ABOUT * fps))
     out: list[Leap] = []
     for k, foot in enumerate(("left", "right")):
         for at in np.flatnonzero(pushed[:, k] > LEAP).tolist():
-            around = repertoire.advance(moments[at + 1 : at + 2], np.arange(-reach - 1, reach + 2))
+            around = repertoire.advance(moments[at + w : at + w + 1], np.arange(-reach - w, reach + w + 1))
             around = around[around >= 0]
             known = kinematics.forward(
                 repertoire.skeleton,
@@ -202,8 +206,8 @@ def _leaps(done: Performance, ankles: Array, stage: Stage) -> tuple[Leap, ...]:
                 joints=np.array(stage.legs.feet[k : k + 1]),
             )
             way = known.positions[:, stage.legs.feet[k]]
-            usual = np.linalg.norm(np.diff(way, 2, axis=0), axis=-1).max(initial=0.0) * fps**2
-            leap = Leap(foot, at + 1, float(pushed[at, k]))
+            usual = _pushed(way, w, fps).max(initial=0.0)
+            leap = Leap(foot, at + w, float(pushed[at, k]))
             if leap.acceleration <= BEYOND * usual:
                 continue
             if out and out[-1].foot == foot and leap.frame - out[-1].frame <= reach:
@@ -211,6 +215,12 @@ def _leaps(done: Performance, ankles: Array, stage: Stage) -> tuple[Leap, ...]:
             else:
                 out.append(leap)
     return tuple(sorted(out, key=lambda found: (found.frame, found.foot)))
+
+
+def _pushed(places: Array, w: int, fps: float) -> Array:
+    """Accelerations over w frames to either side, m/s²: shape (frames, ..., 3) to (frames − 2w, ...)."""
+    bent = places[2 * w :] - 2.0 * places[w:-w] + places[: -2 * w]
+    return np.asarray(np.linalg.norm(bent, axis=-1) * (fps / w) ** 2)
 
 
 def _times(count: int) -> str:

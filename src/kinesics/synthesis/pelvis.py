@@ -80,7 +80,7 @@ def turned_for_the_hips(
     for attempt in range(rounds):
         if attempt or wanted.any():
             # what is turned as in the round before is where it was
-            last, turn = turn, both_ways(wanted, reach)
+            last, turn = turn, _no_farther(both_ways(wanted, reach))
             goes = np.flatnonzero((turn != last).any(axis=1))
             out[goes] = performed(goes, turn[goes])
             at[goes] = blending.rotation_offset(middle, out[np.ix_(goes, joints)])
@@ -94,8 +94,7 @@ def turned_for_the_hips(
             change[..., axis] = (blending.rotation_offset(middle, moved) - at[some]) / _STEP
         change *= np.where(at[some] - high > low - at[some], 1.0, -1.0)[..., None]
         wanted[some] += _least_turns(change.reshape(len(some), -1, 3), over[some])
-        size = np.linalg.norm(wanted, axis=-1, keepdims=True)
-        wanted *= np.minimum(1.0, FARTHEST / np.maximum(size, 1e-9))
+        wanted = _no_farther(wanted)
     put_within_range(stage, out, np.array(stage.trunk, dtype=np.intp), np.asarray(turn.any(axis=1)))
     return Turned(out, wanted)
 
@@ -111,6 +110,12 @@ def _turned(stage: Stage, rotations: Array, roots: Array, feet: Kinematics, turn
     known = kinematics.forward(skeleton, out, roots, joints=stage.lower)
     known.rotations[:, list(stage.legs.feet)] = feet.rotations
     return inverse_kinematics.reach(skeleton, out, roots, feet.positions, limbs=stage.legs, known=known).rotations
+
+
+def _no_farther(turn: Array) -> Array:
+    """Rotation vectors (frames, 3), none longer than `FARTHEST`."""
+    size = np.linalg.norm(turn, axis=-1, keepdims=True)
+    return np.asarray(turn * np.minimum(1.0, FARTHEST / np.maximum(size, 1e-9)))
 
 
 def _least_turns(change: Array, over: Array) -> Array:
