@@ -212,3 +212,14 @@ def test_what_is_performed_mirrored_or_backwards_alone_is_used(walk: kx.Motion) 
         unused.used(kx.performance(walk, seconds=1, backwards=backwards).network).unused for backwards in (False, True)
     ]
     assert 0.0 <= shares[1] <= shares[0] < 0.2
+
+
+def test_who_is_there_already_is_told(walk: kx.Motion) -> None:
+    """Of a target about the start, unless one is to linger there; of no other."""
+    for wish, said in (
+        ({"target": (0.2, 0.0)}, 1),
+        ({"target": (0.2, 0.0), "linger": True}, 0),
+        ({"target": (0.0, 2.0)}, 0),
+    ):
+        piece = kx.performance(walk, seconds=4, **wish)  # type: ignore[arg-type]
+        assert sum("one is there at once" in line for line in piece.motion.warnings) == said

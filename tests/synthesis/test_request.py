@@ -33,6 +33,7 @@ from kinesics.synthesis.request import Request
         ({"bend": -1.0}, "from 0 to 90"),
         ({"fps": "fast"}, "`fps`"),
         ({"fps": math.nan}, "`fps`"),
+        ({"fps": "30"}, "`fps`"),
         ({"fps": 1.0}, "8 frames a second or more"),
         ({"threshold": 0.0}, "above 0 and at most 1"),
         ({"threshold": math.nan}, "above 0 and at most 1"),
@@ -57,6 +58,12 @@ def test_what_cannot_be_asked_for_is_refused(asked: dict[str, Any], says: str) -
     with pytest.raises(kx.InputError) as refused:
         kx.perform("no motion", **asked)  # type: ignore[arg-type]
     assert says in str(refused.value)
+
+
+def test_a_skeleton_is_a_skeleton() -> None:
+    """Or a motion of one; anything else is told before anything is computed."""
+    with pytest.raises(kx.InputError, match="Expected `skeleton` to be a skeleton, or a motion of one, got str"):
+        kx.perform(kx.performer.walk(seconds=4, fps=30).motion, skeleton="walk.bvh")  # type: ignore[arg-type]
 
 
 def test_numbers_of_numpy_are_numbers() -> None:

@@ -68,6 +68,7 @@ def doubts(
         _stays(piece, wish),
         _repeated(piece, wish),
         _round_and_round(piece),
+        _there_already(piece, wish),
         _missed(piece, wish, ahead, most, seconds),
         _roundabout(piece, wish, shorter),
         _short(piece, wish),
@@ -183,6 +184,16 @@ def _round_and_round(piece: Piece) -> str:
 def _frames(piece: Piece, stretch: rounds.Loop | rounds.Often) -> str:
     where = f"frames {stretch.first}–{stretch.end - 1}"
     return where if len(piece.sources) == 1 else f"{where} of {piece.sources[stretch.recording].name}"
+
+
+def _there_already(piece: Piece, wish: Wish) -> str:
+    if not wish.places or wish.least_metres > 0.0 or piece.parameters["linger"] or len(wish.places) > 1:
+        return ""
+    return (
+        f"where to go lies within {wish.radius:g} m (`radius`, --within) of where one starts: one is there at once, after "
+        f"{piece.motion.duration:.2g} s; give a place farther off, a smaller radius, or `linger` (--linger) with `seconds` "
+        "(--seconds)"
+    )
 
 
 def _missed(piece: Piece, wish: Wish, ahead: Prospects, most: float, seconds: float | None) -> str:

@@ -278,6 +278,8 @@ def repertoire(
         )
     understood = [_understood(m, name) for m, name in zip(motions, names, strict=True)]
     said = [f"performed at {rate:g} frames a second" + (f", the rate of {names[0]}" if fps is None else "")]
+    if skeleton is not None and not isinstance(skeleton, Skeleton | Motion):
+        raise InputError(f"Expected `skeleton` to be a skeleton, or a motion of one, got {type(skeleton).__name__}.")
     if skeleton is None:
         said.append(f"performed on the skeleton of {names[0]}")
         skeleton = understood[0].skeleton
@@ -401,10 +403,7 @@ def _said(pair: tuple[str, str]) -> str:
 
 def check_rate(fps: float) -> float:
     """Frames a second that can be performed at. Raises InputError where ``fps`` is none such."""
-    try:
-        rate = float(fps)
-    except (TypeError, ValueError):
-        raise InputError(f"Expected a frame rate above 0, got `fps` = {fps!r}.") from None
+    rate = float(fps) if isinstance(fps, int | float | np.number) and not isinstance(fps, bool) else math.nan
     if not (math.isfinite(rate) and rate > 0.0):
         raise InputError(f"Expected a frame rate above 0, got `fps` = {fps!r}.")
     if rate < LEAST_FPS:
