@@ -15,6 +15,7 @@ from kinesics.body.motion import Motion
 from kinesics.errors import InputError
 from kinesics.synthesis.controller import Controller
 from kinesics.synthesis.goals import (
+    Abiding,
     Goal,
     Heading,
     Measured,
@@ -96,6 +97,25 @@ def test_a_way_that_may_be_bent_leads_no_farther_from_the_wish(goal: Goal, headi
     bends = [pursuit.bend(ready.along(slice(k, k + 1)), now, 0.4) for k in range(40)]
     assert max(map(abs, bends)) <= 0.4 + 1e-6
     assert max(map(abs, bends)) > 0.01
+
+
+def test_who_abides_leaves_a_recording_after_a_while() -> None:
+    """To leave at once costs most, after two seconds nothing; of a chain of paths by itself as of a composite."""
+    net, ready = walker(), prospects(walker(), 2.0)
+    pursuit = Abiding(weight=3.0).pursuit(net, ready)
+    path = int(np.argmax(np.diff(net.indptr)))
+    rows = slice(int(ready.rows[path]), int(ready.rows[path + 1]))
+    for stayed in (0.0, 0.7, 1.9):
+        now = Situation(path=path, since_jump=stayed)
+        miss = pursuit.miss(rows, now, 0.0)
+        until = stayed + ready.first_jump[rows].astype(np.float64)
+        np.testing.assert_allclose(miss, 3.0 * np.clip(1.0 - until / 2.0, 0.0, None) ** 2, atol=1e-6)
+        chains = [sequence[sequence >= 0].tolist() for sequence in ready.sequence[rows]]
+        np.testing.assert_allclose([pursuit.chain(paths, now) for paths in chains], miss, atol=1e-5)
+        assert np.ptp(miss) > 0.0
+    assert not pursuit.miss(rows, Situation(path=path, since_jump=2.0), 0.0).any()
+    with pytest.raises(InputError, match="awhile"):
+        Abiding(awhile=0.0)
 
 
 def test_misses_are_counted_in_spreads() -> None:

@@ -505,8 +505,8 @@ def _standing() -> kx.Motion:
         (_standing, {"favour": ""}, "name of what to favour: a class, .*, got an empty one"),
         (_standing, {"favour": 7}, "as text, got 7"),
         (_standing, {"radius": 0.3}, "how near to a `target`"),
-        (_standing, {"target": (0, 3), "radius": -1}, "`radius` above 0"),
-        (_standing, {"target": (0, 3), "radius": "near"}, "`radius` above 0, got 'near'"),
+        (_standing, {"target": (0, 3), "radius": -1}, r"`radius` .* above 0, got -1"),
+        (_standing, {"target": (0, 3), "radius": "near"}, r"`radius` .* above 0, got 'near'"),
         (_standing, {"target": (1e9, 0)}, "within 10000 m"),
         (_standing, {"target": 3}, "x and z"),
         (_standing, {"target": (float("nan"), 0)}, "finite"),
@@ -625,15 +625,15 @@ def test_a_far_shorter_way_by_more_bend_is_named(walks: list[kx.Motion]) -> None
 def test_a_far_shorter_way_is_gone(shared_data: Path) -> None:
     """Who says nothing comes there by the shorter way, and is told why; who asks for so much bend gets no more."""
     walk = kx.read(shared_data / "cmu" / "07" / "07_01.amc").resample(30.0)
-    asked = kx.performance(walk, target=(4, -4), bend=5, seconds=90)
+    asked = kx.performance(walk, target=(3, -3), bend=5, seconds=90)
     (doubt,) = (line for line in asked.motion.warnings if "long way round" in line)
     assert "leads there in about" in doubt
     assert asked.parameters["bend_used"] == 5.0
-    free = kx.performance(walk, target=(4, -4), seconds=90)
+    free = kx.performance(walk, target=(3, -3), seconds=90)
     assert free.attained
     assert free.parameters["bend"] is None
     assert free.parameters["bend_used"] > 5.0
-    assert 2.0 * free.length < asked.length
+    assert 1.5 * free.length < asked.length
     assert any("with 5 the way is" in line for line in free.motion.assumptions)
 
 
@@ -642,7 +642,7 @@ def test_on_and_on_it_passes_seldom_and_repeats_little(shared_data: Path) -> Non
     clips = [kx.read(shared_data / "cmu" / n[:2] / f"{n}.amc") for n in ("91_01", "91_34")]
     made = kx.performance(clips, seconds=30, fps=30.0, seed=1)
     restless = kx.performance(clips, seconds=30, fps=30.0, seed=1, goal=goals.Novelty())
-    assert len(made.crossings) < 0.8 * len(restless.crossings)
+    assert len(made.crossings) < 0.5 * len(restless.crossings)
     assert len(np.unique(made.provenance.moment)) > 0.9 * made.motion.frame_count
 
 

@@ -57,6 +57,11 @@ CALM: Final = 0.1
 """Weight of passing from recording to recording seldom and smoothly, as a share of that of not repeating oneself: a third to two
 thirds of the transitions are left, and hardly a moment comes twice for it. With three times as much some recordings would be
 played from end to end, which is nothing new."""
+ABIDING: Final = 1.0
+"""Weight of staying with a recording for two seconds, where nothing is wished for: about half of the transitions are left, and as
+many moments are new within a hundredth."""
+ABIDING_BESIDE: Final = 0.2
+"""The same beside a favoured kind of movement: half of the transitions, and as much of what is favoured."""
 SPARING: Final = 0.05
 """The same beside a target: a seventh of the transitions is saved, and the target reached as soon within a fiftieth of the time."""
 SPARING_ALONG: Final = 0.02
@@ -291,7 +296,8 @@ class Wish:
             out.append(goals.Favour(self.favour, weight=FAVOURED))
         if not goes_somewhere:
             fresh = 1.0 if self.favour is None else FRESH
-            out += [goals.Novelty(weight=fresh), goals.Economy(weight=CALM * fresh)]
+            abiding = ABIDING if self.favour is None else ABIDING_BESIDE
+            out += [goals.Novelty(weight=fresh), goals.Economy(weight=CALM * fresh), goals.Abiding(weight=abiding)]
         return out
 
     def plain(self) -> dict[str, Any]:

@@ -14,10 +14,11 @@ and that a far target counts as one within reach in the same direction).
 - along a line: `Route` (routes.py)
 - how: `Heading`, `Speed` (manner.py)
 - by anything you can measure in a motion: `Measured` (measured.py)
-- by which paths: `Favour`, `Novelty`, `Onwards`, `Economy`, `OwnFeature` (favours.py)
+- by which paths: `Favour`, `Novelty`, `Onwards`, `Economy`, `OwnFeature` (favours.py), `Abiding` (abiding.py)
 - from state to state: `StateToState` (states.py)
 """
 
+from kinesics.synthesis.goals.abiding import AWHILE, Abiding
 from kinesics.synthesis.goals.favours import Economy, Favour, Novelty, Onwards, OwnFeature
 from kinesics.synthesis.goals.manner import Heading, Speed
 from kinesics.synthesis.goals.measured import Measured
@@ -28,8 +29,10 @@ from kinesics.synthesis.goals.routes import Route
 from kinesics.synthesis.goals.states import LEAD, StateToState
 
 __all__ = [
+    "AWHILE",
     "LEAD",
     "RADIUS",
+    "Abiding",
     "Economy",
     "Favour",
     "Feature",
