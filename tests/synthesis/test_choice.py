@@ -10,30 +10,49 @@ import pytest
 import kinesics as kx
 from bodies import about, moving
 from kinesics.similarity import check_weights
-from kinesics.synthesis.choice import best, joining, lowest
+from kinesics.synthesis import transitions as transitions_module
+from kinesics.synthesis.choice import best, best_of_steps, joining, lowest
 from kinesics.synthesis.limits import find_limits
 from kinesics.synthesis.network import network
 from kinesics.synthesis.parts import draft, largest_part
 from kinesics.synthesis.repertoire import repertoire
 from kinesics.synthesis.seams import Pairs, Seams, ways
 from kinesics.synthesis.search import search
-from kinesics.synthesis.sharing import Shared
+from kinesics.synthesis.sharing import Shared, refined
+from kinesics.synthesis.transitions import transitions
+
+
+def _swinging(fps: float, seconds: float = 25.0) -> Seams:
+    """Of arms that swing at rates of their own, now with the trunk bent and now not."""
+    t = np.arange(round(seconds * fps)) / fps
+    rates = {"LeftArm": 0.5, "RightArm": 0.73, "LeftForeArm": 0.41, "RightForeArm": 0.9, "Spine": 0.07}
+    angles = {name: about(0, 0.5 * np.sin(2.0 * np.pi * rate * t)) for name, rate in rates.items()}
+    rep, weights = repertoire(moving(angles, fps=fps)), check_weights(None)
+    return Seams(rep, find_limits(rep, None, weights), weights, 0.1)
+
+
+def _agreeing(seams: Seams) -> Pairs:
+    """All that is near and agrees, at full rate."""
+    return best_of_steps(seams, refined(seams, search(seams, lambda share, said="": None).pairs))
 
 
 @pytest.fixture(scope="module")
 def seams() -> Seams:
-    """Of arms that swing at rates of their own, now with the trunk bent and now not."""
-    t = np.arange(750) / 30.0
-    rates = {"LeftArm": 0.5, "RightArm": 0.73, "LeftForeArm": 0.41, "RightForeArm": 0.9, "Spine": 0.07}
-    angles = {name: about(0, 0.5 * np.sin(2.0 * np.pi * rate * t)) for name, rate in rates.items()}
-    rep, weights = repertoire(moving(angles, fps=30)), check_weights(None)
-    return Seams(rep, find_limits(rep, None, weights), weights, 0.1)
+    """At 30 frames a second."""
+    return _swinging(30.0)
 
 
 @pytest.fixture(scope="module")
 def pool(seams: Seams) -> Pairs:
     """All that is near and agrees."""
-    return search(seams, lambda share, said="": None).pairs
+    return _agreeing(seams)
+
+
+@pytest.fixture(scope="module")
+def quick() -> tuple[Seams, Pairs]:
+    """At 120 frames a second, where pairs are moved from where they were found, some of them into other steps."""
+    seams = _swinging(120.0)
+    return seams, _agreeing(seams)
 
 
 def _kept(seams: Seams, pairs: Pairs) -> int:
@@ -52,16 +71,48 @@ def test_the_best_of_every_two_steps_is_kept_and_agrees(seams: Seams, pool: Pair
     assert np.allclose(seams.measured(pool).distance, pool.distance, atol=1e-6)
 
 
-def test_lowest_are_those_that_no_neighbour_undercuts(seams: Seams, pool: Pairs) -> None:
-    """By looking at all steps about each pair, one after the other."""
-    cost = {
-        (int(r), int(seams.cell[a]), int(seams.cell[b])): c
-        for a, b, r, c in zip(pool.a, pool.b, pool.relation, pool.cost, strict=True)
-    }
-    low = lowest(seams, pool)
-    for k, (relation, row, column) in enumerate(cost):
-        about_it = [cost.get((relation, row + d, column + e), np.inf) for d in (-1, 0, 1) for e in (-1, 0, 1)]
-        assert low[k] == (min(about_it) == pool.cost[k])
+def _steps_of(seams: Seams, pairs: Pairs) -> list[tuple[int, int, int]]:
+    """Relation and the two steps, the earlier first, of each pair."""
+    cells = np.sort(seams.cell[np.stack([pairs.a, pairs.b])], axis=0).tolist()
+    return list(zip(pairs.relation.tolist(), *cells, strict=True))
+
+
+def test_lowest_are_those_that_no_neighbour_undercuts(
+    seams: Seams, pool: Pairs, quick: tuple[Seams, Pairs], rng: np.random.Generator
+) -> None:
+    """By looking at all steps about each pair, one after the other; at any rate and in whatever order pairs come."""
+    for at, found in ((seams, pool), quick):
+        pairs = found.take(rng.permutation(found.size))
+        where = _steps_of(at, pairs)
+        cost = dict(zip(where, pairs.cost.tolist(), strict=True))
+        assert len(cost) == pairs.size > 100
+        low = lowest(at, pairs)
+        for k, (relation, row, column) in enumerate(where):
+            about_it = [cost.get((relation, row + d, column + e), np.inf) for d in (-1, 0, 1) for e in (-1, 0, 1)]
+            assert low[k] == (min(about_it) == pairs.cost[k])
+
+
+def test_transitions_weigh_one_pair_of_every_two_steps(
+    quick: tuple[Seams, Pairs], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of all that refining moves into the same two steps the cheapest pair alone is chosen from."""
+    seen: list[Pairs] = []
+
+    def looking(seams: Seams, pairs: Pairs) -> np.ndarray:
+        seen.append(pairs)
+        return lowest(seams, pairs)
+
+    monkeypatch.setattr(transitions_module, "lowest", looking)
+    seams, _ = quick
+    transitions(seams.repertoire)
+    refound = refined(seams, search(seams, lambda share, said="": None).pairs)
+    cheapest: dict[tuple[int, int, int], float] = {}
+    for key, cost in zip(_steps_of(seams, refound), refound.cost.tolist(), strict=True):
+        cheapest[key] = min(cost, cheapest.get(key, np.inf))
+    assert refound.size > len(cheapest)
+    given = dict(zip(_steps_of(seams, seen[0]), seen[0].cost.tolist(), strict=True))
+    assert len(given) == seen[0].size
+    assert given == cheapest
 
 
 def test_what_joins_joins_all_that_can_be_joined(seams: Seams, pool: Pairs) -> None:

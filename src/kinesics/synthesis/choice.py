@@ -38,10 +38,18 @@ def best(seams: Seams, pairs: Pairs, density: float) -> Pairs:
     return pairs.take(named[: pairs.size] | named[pairs.size :] | _bridges(seams, pairs))
 
 
+def best_of_steps(seams: Seams, pairs: Pairs) -> Pairs:
+    """Of every two steps and each relation the cheapest pair."""
+    # moved by a frame or two, the second seam of a pair may come to lie before the first
+    row, column = np.sort(np.stack([seams.cell[pairs.a], seams.cell[pairs.b]]), axis=0)
+    return pairs.cheapest((pairs.relation * seams.steps + row) * seams.steps + column)
+
+
 def lowest(seams: Seams, pairs: Pairs) -> Mask:
-    """Which of pairs, one of every two steps, cost no more than those of all the steps about them."""
+    """Which of pairs, one of every two steps (`best_of_steps`), cost no more than those of all the steps about them."""
     # a step beside the last of a recording belongs to none
-    row, column = (seams.cell[side] + 2 * seams.recording[side] + 1 for side in (pairs.a, pairs.b))
+    sides = np.stack([seams.cell[side] + 2 * seams.recording[side] + 1 for side in (pairs.a, pairs.b)])
+    row, column = np.sort(sides, axis=0)
     width = seams.steps + 2 * seams.repertoire.recording_count + 2
     key = (pairs.relation * width + row) * width + column
     order = np.argsort(key)

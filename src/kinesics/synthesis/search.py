@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from kinesics.progress import Progress
 from kinesics.similarity import diagonal_sums
-from kinesics.synthesis.choice import best
+from kinesics.synthesis.choice import best, best_of_steps
 from kinesics.synthesis.limits import WINDOW
 from kinesics.synthesis.seams import BAND, REVERSE, SAME, SEARCH_RATE, Pairs, Seams
 
@@ -109,10 +109,10 @@ def search(seams: Seams, progress: Progress) -> Found:
                 agreed = seams.agreeing(near, slack=slack)
                 for what, count in agreed.refused.items():
                     refused[what] = refused.get(what, 0) + count
-                pool.append(_best_of_steps(seams, agreed.pairs))
+                pool.append(best_of_steps(seams, agreed.pairs))
                 if sum(part.size for part in pool) > 4 * room:
                     pool = [best(seams, Pairs.joined(pool), POOL)]
-    return Found(best(seams, _best_of_steps(seams, Pairs.joined(pool)), POOL), nearest, refused)
+    return Found(best(seams, best_of_steps(seams, Pairs.joined(pool)), POOL), nearest, refused)
 
 
 def _nearest_of_blocks(d: Floats, most: float, side: int) -> tuple[Indices, Indices]:
@@ -129,8 +129,3 @@ def _nearest_of_blocks(d: Floats, most: float, side: int) -> tuple[Indices, Indi
     at, beside = np.nonzero(np.take_along_axis(value, row[:, None], axis=1)[:, 0] <= np.float32(most))
     r = at * side + row[at, beside]
     return r, beside * side + column[r, beside]
-
-
-def _best_of_steps(seams: Seams, pairs: Pairs) -> Pairs:
-    """Of every two steps and each relation the cheapest pair."""
-    return pairs.cheapest((pairs.relation * seams.steps + seams.cell[pairs.a]) * seams.steps + seams.cell[pairs.b])

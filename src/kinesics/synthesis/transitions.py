@@ -43,7 +43,7 @@ from numpy.typing import NDArray
 from kinesics.errors import InputError
 from kinesics.progress import Progress, silent
 from kinesics.similarity import Weights, check_weights
-from kinesics.synthesis.choice import best, joining, lowest
+from kinesics.synthesis.choice import best, best_of_steps, joining, lowest
 from kinesics.synthesis.limits import Limits, find_limits
 from kinesics.synthesis.repertoire import Repertoire
 from kinesics.synthesis.seams import Pairs, Seams, ways
@@ -130,7 +130,8 @@ def transitions(
     limits = find_limits(repertoire, threshold, share)
     seams = Seams(repertoire, limits, share, spacing)
     found = search(seams, progress)
-    pairs = _chosen(seams, refined(seams, found.pairs), density)
+    # refined, some pairs lie in the same two steps as others
+    pairs = _chosen(seams, best_of_steps(seams, refined(seams, found.pairs)), density)
     progress(1.0, "finding transitions")
     return _transitions(seams, pairs, found)
 
