@@ -179,6 +179,34 @@ def test_unconnected_recordings_are_named() -> None:
     assert set(made.recording.tolist()) == {0}
 
 
+def test_a_recording_that_strands_lose_for_different_reasons_is_named() -> None:
+    """Joined at one place alone, one half of it leads nowhere and to the other nothing leads; played backwards, each the other."""
+    march = rounds(speed=0.0)
+    rep = repertoire([march.replace(name="one"), march.replace(name="two")], mirrored=False, backwards=True)
+    found = transitions(rep)
+    here, there = rep.frame_of(found.source), rep.frame_of(found.target)
+    first, second = rep.recording_of(here), rep.recording_of(there)
+    across = (first != second) & (rep.strand_of(found.source) == rep.strand_of(found.target))
+    seam = np.where(first == 1, here + ~rep.is_backward(found.source), there + rep.is_backward(found.target))
+    places = np.unique(seam[across])
+    kept = ((first == 0) & (second == 0)) | (across & (seam == places[len(places) // 2]))
+    few = dataclasses.replace(
+        found,
+        source=found.source[kept],
+        target=found.target[kept],
+        distance=found.distance[kept],
+        cost=found.cost[kept],
+    )
+    with pytest.warns(UserWarning, match="Nothing is performed of two:"):
+        made = network(rep, transitions=few)
+    assert set(made.recording.tolist()) == {0}
+    lost = [p for p in made.pruned if p.recording == "two"]
+    assert len({p.why for p in lost}) == 2
+    assert all(p.everything for p in lost)
+    assert not any(p.everything for p in made.pruned if p.recording == "one")
+    assert repr(made).endswith("1 recordings pruned)")
+
+
 def test_mirror_images_that_cannot_be_reached_are_left_out() -> None:
     """Of a movement with one arm only one of the two mirror images is kept, the one as recorded, and that is said."""
     t = np.arange(450) / 30.0

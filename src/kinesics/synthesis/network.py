@@ -30,7 +30,7 @@ from kinesics.synthesis import transitions as _transitions
 from kinesics.synthesis.measures import from_heading
 from kinesics.synthesis.meeting import Meeting, meetings
 from kinesics.synthesis.parts import Draft, draft, largest_part, places
-from kinesics.synthesis.pruning import Pruned, listed, pruned_of, why_none
+from kinesics.synthesis.pruning import Pruned, listed, pruned_of, unperformed, why_none
 from kinesics.synthesis.repertoire import LEAST_SECONDS, Repertoire
 from kinesics.synthesis.transitions import DENSITY, SPACING, Transitions
 
@@ -97,7 +97,7 @@ class Network:
         """Its size in one line."""
         return (
             f"Network({len(self)} paths of {self.seconds:.1f} s, {len(self.indices)} successors, "
-            f"threshold {self.threshold:.3g}, {len(self.pruned)} recordings pruned)"
+            f"threshold {self.threshold:.3g}, {len(unperformed(self.pruned))} recordings pruned)"
         )
 
     def successors(self, path: int) -> Indices:
@@ -283,7 +283,7 @@ def _finished(
     yaw = np.unwrap(repertoire.poses.yaw)
     mirrored = np.where(repertoire.is_mirrored(first), -1.0, 1.0)
     turn = mirrored * (yaw[repertoire.frame_of(onward)] - yaw[repertoire.frame_of(first)])
-    gone = tuple(dict.fromkeys(p.recording for p in pruned if p.everything))
+    gone = unperformed(pruned)
     if gone:
         warnings.warn(
             f"Nothing is performed of {listed(gone)}: no transition leads there and back again. Nearer recordings, longer "

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -82,6 +82,8 @@ def pruned_of(repertoire: Repertoire, cut: Draft, kept: Mask, faulty: Mask) -> t
     lot[(lot > 0) & faulty] = _FAULT
     out: list[Pruned] = []
     for name, (start, end) in zip(repertoire.names, itertools.pairwise(repertoire.starts.tolist()), strict=True):
+        # strands may lose it for different reasons
+        everything = all(bool(lot[s, start:end].all()) for s in repertoire.strands)
         # strands that lose the same are told together
         losses: dict[bytes, list[int]] = {}
         for s in repertoire.strands:
@@ -95,7 +97,6 @@ def pruned_of(repertoire: Repertoire, cut: Draft, kept: Mask, faulty: Mask) -> t
                 Stretch(a / fps, b / fps, _WHY[int(own[a])]) for a, b in itertools.pairwise(edges) if own[a]
             )
             whole = bool(own.all())
-            everything = whole and len(strands) == len(repertoire.strands)
             longest = sorted(stretches, key=lambda part: part.start - part.end)
             shown = sorted(longest[:_STRETCHES_AT_MOST])
             told = ", ".join(str(part) for part in shown)
@@ -108,6 +109,11 @@ def pruned_of(repertoire: Repertoire, cut: Draft, kept: Mask, faulty: Mask) -> t
             how = " and ".join(STRANDS[s] for s in strands)
             out.append(Pruned(name, how, seconds, told, whole, everything, stretches))
     return tuple(out)
+
+
+def unperformed(pruned: Iterable[Pruned]) -> tuple[str, ...]:
+    """Names of the recordings of which nothing is left, in their order."""
+    return tuple(dict.fromkeys(p.recording for p in pruned if p.everything))
 
 
 def _lots(cut: Draft, kept: Mask) -> Indices:
