@@ -363,6 +363,19 @@ def test_a_single_pose_beside_others_is_left_out(kinesics: Kinesics, walk: Path,
     assert "pose is a single pose" in got.err
 
 
+def test_what_is_wrong_with_a_file_is_among_what_is_doubtful(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
+    """As reading it tells, by the file's name; beside the movement, too."""
+    text = walk.read_text(encoding="utf-8")
+    (tmp_path / "long.bvh").write_text(re.sub(r"Frames:\s*\d+", "Frames: 60", text), encoding="utf-8")
+    said = kx.read(tmp_path / "long.bvh").warnings
+    assert said
+    got = kinesics("perform", "long.bvh", "--out", "new.bvh", "--seconds", "1")
+    assert got.code == 0, got.err
+    assert f"doubtful: long.bvh: {said[0]}" in got.out
+    told = json.loads((tmp_path / "new.provenance.json").read_text(encoding="utf-8"))["output"]["warnings"]
+    assert f"long.bvh: {said[0]}" in told
+
+
 def test_all_that_cannot_be_used_is_named_at_once(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
     """Files that cannot be read or understood are an error, with a way to go on; without them it goes on, and says so."""
     (tmp_path / "cut.bvh").write_text(walk.read_text(encoding="utf-8")[:3000], encoding="utf-8")

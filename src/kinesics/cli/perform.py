@@ -108,7 +108,9 @@ def perform(
             edits=known_better,
             progress=bar.part(0.15, 0.8),
         )
-        piece = piece.with_warnings(left_out)
+        piece = piece.with_warnings(
+            [*left_out, *(f"{file.name}: {said}" for file, motion in read for said in motion.warnings)]
+        )
         if out:
             saved = performances.save_performance(piece, out, overwrite=overwrite, progress=bar.part(0.8, 1.0))
     if json:
