@@ -373,12 +373,13 @@ def test_who_stands_turns_with_the_feet(made: Network) -> None:
     roots = np.repeat(made.repertoire.root_positions[0, still : still + 1], frames, axis=0)
     turn = np.minimum(np.arange(frames) / frames, 0.5) * 0.8
     turn_bodies(made.repertoire, stage.carrier, rotations, turn)
-    stands = np.where(np.arange(frames) < frames // 2, 1.0, 0.0)
-    turned, moved = planting._with_the_feet(stage, rotations, roots, stands)
+    stands = np.repeat((np.arange(frames) < frames // 2)[:, None], 2, axis=1)
+    turned, moved, by = planting.with_the_feet(stage, rotations, roots, stands)
     faced = kx.poses(done_motion(made, turned, moved)).yaw
     assert np.abs(faced[: frames // 2 - round(0.5 * fps)] - faced[0]).max() < 0.02
     assert abs(faced[-1] - faced[0] - 0.4) < 0.05
-    assert np.array_equal(planting._with_the_feet(stage, rotations, roots, 0.0 * stands)[0], rotations)
+    assert np.allclose(faced - faced[0], turn + by, atol=0.01)
+    assert np.array_equal(planting.with_the_feet(stage, rotations, roots, ~stands & False).rotations, rotations)
 
 
 def done_motion(made: Network, rotations: np.ndarray, roots: np.ndarray) -> kx.Motion:

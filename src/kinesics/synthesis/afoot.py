@@ -31,10 +31,13 @@ def afoot(network: Network) -> Network:
     first, onward = network.first, network.onward
     gone = planted.roots_of(onward)[:, [0, 2]] - planted.roots_of(first)[:, [0, 2]]
     displacement = from_heading(gone, planted.yaw_of(first))
+    faced = network.turn + planted.turned_at(onward) - planted.turned_at(first)
     leaps = np.flatnonzero(network.cost > 0.0)
     left = np.searchsorted(network.indptr, leaps, side="right") - 1
     place, turn = np.zeros((len(network.indices), 2)), np.zeros(len(network.indices))
     place[leaps], turn[leaps] = meetings(planted, onward[left], first[network.indices[leaps]])
-    for values in (displacement, place, turn):
+    for values in (displacement, faced, place, turn):
         values.setflags(write=False)
-    return dataclasses.replace(network, displacement=displacement, meeting=Meeting(place, turn), afoot=planted)
+    return dataclasses.replace(
+        network, displacement=displacement, turn=faced, meeting=Meeting(place, turn), afoot=planted
+    )

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import weakref
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, NamedTuple
@@ -77,12 +76,11 @@ class Foresight:
     @classmethod
     def of(cls, stage: Stage) -> Foresight:
         """Of a repertoire; made once and kept as long as that is."""
-        if stage.repertoire not in _tables:
-            _tables[stage.repertoire] = cls._made(stage)
-        return _tables[stage.repertoire]
+        return stage.repertoire.kept(cls._made)
 
     @classmethod
-    def _made(cls, stage: Stage) -> Foresight:
+    def _made(cls, repertoire: Repertoire) -> Foresight:
+        stage = Stage.of(repertoire)
         own = played(stage)
         shape = (2, 2, own.frame_count, 2)
         down, heights, standing = np.full(shape, _NEVER, dtype=np.int32), np.zeros(shape[1:]), own.contacts.copy()
@@ -122,9 +120,6 @@ class Foresight:
             waited += stretch.length - at
             at = 0
         return Coming(False, math.inf, height)
-
-
-_tables: weakref.WeakKeyDictionary[Repertoire, Foresight] = weakref.WeakKeyDictionary()
 
 
 def _soles(stage: Stage, own: Repertoire, image: int, first: int, past: int) -> Array:

@@ -248,7 +248,7 @@ class LiveRenderer:
         network, repertoire = self.network, self.network.repertoire
         first, length = int(network.first[path]), int(network.length[path])
         if self._last < 0:
-            self._turn = self.heading - float(repertoire.yaw_of(first))
+            self._turn = self.heading - float(self._poses.own.yaw_of(first))
         strand, frame = divmod(first, repertoire.frame_count)
         image, onward = strand % 2, -1 if BACKWARD_STRANDS[strand] else 1
         bent = bend / length
@@ -261,8 +261,7 @@ class LiveRenderer:
         self._reaches += length
         self._laid, self._tell = complex(places[-1]), True
         self._turn += bend
-        yaw = float(repertoire.poses.yaw[frames[-1]])
-        self.heading = (-yaw if image else yaw) + self._turn
+        self.heading = float(self._poses.own.yaw_of(network.onward[path])) + self._turn
 
     def _goes_on(self, path: int) -> bool:
         """Whether a path is performed without leaving the recording that is played."""

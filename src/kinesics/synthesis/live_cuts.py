@@ -83,12 +83,12 @@ class Cuts:
         turned : radians by which the first is turned about the vertical as it ends.
         heading : radians, where it then faces.
         """
-        network, repertoire = self._network, self._network.repertoire
+        network, own = self._network, self._poses.own
         left, first = int(network.onward[last]), int(network.first[path])
         # how the two meet: as the controller and `kinesics.synthesis.rendering` have it
         edge = int(network.edges(last, path))
         place, met = complex(self._met[0][edge]), float(self._met[1][edge])
-        turn = turned + float(repertoire.yaw_of(left)) + met - float(repertoire.yaw_of(first))
+        turn = turned + float(own.yaw_of(left)) + met - float(own.yaw_of(first))
         return Crossing(left, first, place * cmath.exp(1j * heading), turned, turn, met)
 
     def seam(self, crossing: Crossing) -> Seam:

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-import weakref
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -47,20 +46,19 @@ class Meeting(NamedTuple):
     """By which it faces more to the left, radians, shape (n,)."""
 
 
-_soles: weakref.WeakKeyDictionary[Repertoire, Soles] = weakref.WeakKeyDictionary()
-
-
 def soles_of(repertoire: Repertoire) -> Soles:
     """The soles of the performing body, found once in all recordings together and kept as long as the repertoire is."""
-    if repertoire not in _soles:
-        whole = Motion(repertoire.skeleton, repertoire.rotations[0], repertoire.root_positions[0], repertoire.fps)
-        _soles[repertoire] = _on_the_floor(_contacts.contacts(whole, ground=Floor(0.0)), whole)
-    return _soles[repertoire]
+    return repertoire.kept(_found)
 
 
 def same_soles(body: Repertoire, other: Repertoire) -> None:
     """Say that the body of a repertoire has the soles of that of another."""
-    _soles[body] = soles_of(other)
+    body.keep(_found, soles_of(other))
+
+
+def _found(repertoire: Repertoire) -> Soles:
+    whole = Motion(repertoire.skeleton, repertoire.rotations[0], repertoire.root_positions[0], repertoire.fps)
+    return _on_the_floor(_contacts.contacts(whole, ground=Floor(0.0)), whole)
 
 
 def _on_the_floor(found: Contacts, motion: Motion) -> Soles:
@@ -95,8 +93,9 @@ def soles_beneath(repertoire: Repertoire, moments: Indices) -> Array:
 
 def meetings(repertoire: Repertoire, left: Indices, entered: Indices) -> Meeting:
     """How moments that are entered meet those with which the recordings left would have gone on, shape (n,) each."""
-    # a mirrored seam is the mirror image of the same seam as recorded, to the last digit
-    image = repertoire.is_mirrored(left)
+    # a mirrored seam is the mirror image of the same seam as recorded, to the last digit; of bodies that were planted one by one,
+    # whose legs may differ in length, each is met as it is played
+    image = repertoire.is_mirrored(left) & (repertoire.turned is None)
     here, there = _mirrored(repertoire, left, image), _mirrored(repertoire, entered, image)
     used, at = np.unique(np.concatenate([here, there]), return_inverse=True)
     points, borne = soles_beneath(repertoire, used), _borne(repertoire, used)

@@ -103,6 +103,7 @@ def pin(
     adrift: float = footing.ADRIFT,
     urged: float = URGED,
     rounds: int = ROUNDS,
+    turning: bool = True,
 ) -> Footed:
     """Plant the feet that bear.
 
@@ -112,13 +113,15 @@ def pin(
     adrift : as of `kinesics.synthesis.footing.footing`.
     urged : metres by which more may be asked of the body than a foot lacked, as one round after the other it goes not as far.
     rounds : of planting and putting joints back, at most.
+    turning : whether the body turns along with its feet while it stands on both (`with_the_feet`).
     """
     skeleton = stage.repertoire.skeleton
-    held = np.stack([held_around(standing[:, k], RELEASE * stage.repertoire.fps) for k in (0, 1)], axis=-1)
+    held = _held(stage, standing)
     feet = list(stage.legs.feet)
     parents = [skeleton.parents[j] for j in feet]
     joints = np.array([*stage.legs.femurs, *stage.legs.tibias, *feet])
-    rotations, roots = _with_the_feet(stage, rotations, roots, _both(held, stage.repertoire.fps))
+    if turning:
+        rotations, roots, _ = with_the_feet(stage, rotations, roots, standing)
     given = rotations
     known = _lower(stage, rotations, roots)
     # feet alone are turned before they are planted: what they hang on stays
@@ -340,12 +343,28 @@ def _planted(
     return Footed(done.rotations, roots + shift, corrected, np.maximum(-shift[:, 1], 0.0), done.misses)
 
 
-def _with_the_feet(stage: Stage, rotations: Array, roots: Array, both: Array) -> tuple[Array, Array]:
+class Followed(NamedTuple):
+    """What `with_the_feet` gives."""
+
+    rotations: Array
+    """Shape (frames, joints, 4)."""
+    roots: Array
+    """Metres, shape (frames, 3)."""
+    turn: Array
+    """By which the body is turned to the left, radians, shape (frames,)."""
+
+
+def with_the_feet(stage: Stage, rotations: Array, roots: Array, standing: Mask) -> Followed:
     """The body turned along with its feet while it stands on both, and gently back as it goes on.
 
     In a recording feet that stand creep; where a stand is played round after round, each goes on from the last, and what adds up
     no leg could follow. Where the body goes over the floor `footing` sees to.
+
+    Parameters
+    ----------
+    rotations, roots, standing : shapes (frames, joints, 4), (frames, 3) and (frames, 2).
     """
+    both = _both(_held(stage, standing), stage.repertoire.fps)
     known = _lower(stage, rotations, roots)
     soles = stage.soles.place(known.positions, known.rotations).mean(axis=2)
     feet = soles[..., 2] + 1j * soles[..., 0]
@@ -356,18 +375,23 @@ def _with_the_feet(stage: Stage, rotations: Array, roots: Array, both: Array) ->
     for t, (by, left) in enumerate(zip(crept.tolist(), back.tolist(), strict=True), start=1):
         turn[t] = (turn[t - 1] - by) * left
     if np.abs(turn).max() < _LEAST_TURN:
-        return rotations, roots
+        return Followed(rotations, roots, np.zeros(len(roots)))
     turn = smooth(turn, max(1, round(STAND * stage.repertoire.fps)))
     turned, moved = rotations.copy(), roots.copy()
     turn_bodies(stage.repertoire, stage.carrier, turned, turn)
     middle = feet.mean(axis=1)
     place = middle + np.exp(1j * turn) * (roots[:, 2] + 1j * roots[:, 0] - middle)
     moved[:, 0], moved[:, 2] = place.imag, place.real
-    return turned, moved
+    return Followed(turned, moved, turn)
+
+
+def _held(stage: Stage, standing: Mask) -> Array:
+    """1 while a foot bears, and a little around it, shape (frames, 2)."""
+    return np.stack([held_around(standing[:, k], RELEASE * stage.repertoire.fps) for k in (0, 1)], axis=-1)
 
 
 def _both(held: Array, fps: float) -> Array:
-    """1 where both feet have borne and will bear for `STAND`, going to 0 smoothly, shape (frames,)."""
+    """1 where both feet have borne and will bear for three times `STAND`, going to 0 smoothly, shape (frames,)."""
     from scipy.ndimage import minimum_filter1d
 
     reach = max(1, round(STAND * fps))

@@ -9,10 +9,10 @@ before.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,6 +31,8 @@ from kinesics.errors import InputError, SkeletonError, some_of
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
+
+_T = TypeVar("_T")
 
 STRANDS: Final = ("as recorded", "mirrored", "backwards", "backwards and mirrored")
 """What each strand plays."""
@@ -112,6 +114,9 @@ class Repertoire:
     """Whether the body leaps in a frame as no movement does, seen in the recording as it came: shape (frames,)."""
     warnings: tuple[str, ...] = ()
     """What went wrong when they were brought onto the skeleton."""
+    turned: Array | None = None
+    """By how much farther to the left than recorded the body faces, where its feet were planted and it turned with them: radians,
+    shape (2, frames)."""
 
     @property
     def frame_count(self) -> int:
@@ -200,7 +205,27 @@ class Repertoire:
     def yaw_of(self, moments: ArrayLike) -> Array:
         """Heading of the pelvis about +y, radians, any shape. Played backwards the body faces as in the frame itself."""
         frame, strand = self.split(moments)
-        return np.where(strand % 2 == 1, -1.0, 1.0) * self.poses.yaw[frame]
+        return np.where(strand % 2 == 1, -1.0, 1.0) * self.poses.yaw[frame] + self.turned_at(moments)
+
+    def turned_at(self, moments: ArrayLike) -> Array:
+        """By how much farther to the left than recorded the body faces, radians, any shape."""
+        frame, strand = self.split(moments)
+        return np.zeros(frame.shape) if self.turned is None else self.turned[strand % 2, frame]
+
+    def kept(self, make: Callable[[Repertoire], _T]) -> _T:
+        """What ``make`` gives of this repertoire: made once, and kept as long as the repertoire is, and no longer."""
+        if make not in self._kept:
+            self._kept[make] = make(self)
+        found: _T = self._kept[make]
+        return found
+
+    def keep(self, make: Callable[[Repertoire], _T], known: _T) -> None:
+        """Have `kept` give what is known already, instead of making it."""
+        self._kept[make] = known
+
+    @cached_property
+    def _kept(self) -> dict[Callable[[Repertoire], Any], Any]:
+        return {}
 
     def contacts_of(self, moments: ArrayLike) -> NDArray[np.bool_]:
         """Whether the left and the right foot stand on the ground at moments (n,): shape (n, 2)."""

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import functools
 import itertools
-import weakref
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
@@ -106,9 +105,7 @@ class Stage:
         SkeletonError
             If the skeleton's legs have no feet.
         """
-        if repertoire not in _stages:
-            _stages[repertoire] = cls._measured(repertoire)
-        return _stages[repertoire]
+        return repertoire.kept(cls._measured)
 
     @classmethod
     def _measured(cls, repertoire: Repertoire) -> Stage:
@@ -178,9 +175,6 @@ class Stage:
 def frames_of_reach(fps: float) -> int:
     """Frames before and after a moment over which it is told how quick joints are there."""
     return max(1, round(REACH * fps))
-
-
-_stages: weakref.WeakKeyDictionary[Repertoire, Stage] = weakref.WeakKeyDictionary()
 
 
 def _inner(repertoire: Repertoire, reach: int) -> Indices:
