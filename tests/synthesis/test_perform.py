@@ -662,7 +662,8 @@ def test_a_recording_that_nothing_leads_to_is_named(walks: list[kx.Motion]) -> N
     assert any(p.recording == "jacks" and p.everything for p in made.pruned)
     faster = kx.performer.jumping_jacks(seconds=4, fps=30, period=0.7).motion.replace(name="faster")
     (doubt,) = kx.perform([walks[0], jacks, faster], seconds=3).warnings
-    assert doubt.startswith("nothing is performed of 'jacks', 'faster': no transition")
+    assert "of 'jacks' 0.0 of 4.0 s, of 'faster' 0.0 of 4.0 s" in doubt
+    assert "or perform from 'jacks', 'faster' alone, or favour it (--favour)" in doubt
 
 
 def test_work_can_be_stopped_and_reports_rising_shares(walks: list[kx.Motion]) -> None:

@@ -83,6 +83,7 @@ def doubts(
 def _unused(piece: Piece, whole: bool, progress: Progress) -> str:
     """What hardly anything is performed of: of all of it together, or of a recording."""
     net = piece.network
+    none_of = list(dict.fromkeys(p.recording for p in piece.pruned if p.everything))
     if whole and unused.used(net).unused >= MOSTLY:
         shown, total = unused.used_of_each(net), unused.used(net)
         of = ", ".join(f"of '{one.name}' {_of(one.seconds)}" for one in shown[:NAMED])
@@ -93,8 +94,8 @@ def _unused(piece: Piece, whole: bool, progress: Progress) -> str:
             f"most of what was recorded is not used: {total.used:.1f} of {total.recorded:.1f} s hold together"
             + (f" ({of})" if len(shown) > 1 else "")
             + f"; no way leads to the rest, or none back. {_joining(piece, progress)}"
+            + (f"; or perform from {some_of(none_of)} alone, or favour it (--favour)" if none_of else "")
         )
-    none_of = list(dict.fromkeys(p.recording for p in piece.pruned if p.everything))
     if not none_of:
         return ""
     return (
