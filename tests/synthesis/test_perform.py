@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import kinesics as kx
+from bodies import rounds
 from kinesics.errors import InputError
 from kinesics.formats import read_extras
 from kinesics.grammar import edits
@@ -23,9 +24,9 @@ from kinesics.synthesis import attempts, goals
 from kinesics.synthesis.courses import Course, perform_paths
 from kinesics.synthesis.labels import labelled
 from kinesics.synthesis.network import Network, network
-from kinesics.synthesis.piece import Piece
+from kinesics.synthesis.piece import Piece, SourceFacts
 from kinesics.synthesis.prospects import prospects
-from kinesics.synthesis.rendering import Performance
+from kinesics.synthesis.rendering import Performance, render
 from kinesics.synthesis.repertoire import repertoire
 from kinesics.synthesis.wish import Grammar, Wish, check_names
 
@@ -479,7 +480,31 @@ def test_differing_rates_and_bodies_are_brought_together() -> None:
     assert "small: places scaled" in said
     for span in made.spans:
         rate = motions[span.source].fps / 60
-        assert span.source_end - span.source_start == pytest.approx((span.end - span.start) * rate, abs=1.01)
+        assert span.source_end - span.source_start == pytest.approx((span.end - span.start) * rate, abs=1e-6)
+
+
+@pytest.mark.parametrize("fps", [20.0, 40.0, 120.0])
+def test_spans_hold_as_much_of_their_source_as_they_play(fps: float) -> None:
+    """Forwards and backwards, of a recording with more frames a second and with fewer: in its own frames."""
+    march = rounds(speed=0.0)
+    rep = repertoire(march, fps=fps, mirrored=False, backwards=True)
+    net = network(rep)
+    rng = np.random.default_rng(4)
+    paths = [int(np.flatnonzero(net.strand == 0)[0])]
+    while len(paths) < 60:
+        nexts = net.successors(paths[-1])
+        jumps = nexts[net.first[nexts] != net.onward[paths[-1]]]
+        paths.append(int(rng.choice(jumps if len(jumps) else nexts)))
+    facts = SourceFacts(march.name, None, None, march.frame_count, march.fps)
+    played = kx.performance(march, seconds=1.0, fps=fps, mirrored=False, backwards=True)
+    made = dataclasses.replace(played, performance=render(net, paths), network=net, sources=(facts,))
+    assert {span.backwards for span in made.spans} == {False, True}
+    for span in made.spans:
+        held = (span.end - span.start) * march.fps / fps
+        if span.source_end < march.frame_count:
+            assert span.source_end - span.source_start == pytest.approx(held, abs=1e-6)
+        for k in (span.start, span.end - 1):
+            assert span.source_start - 1e-6 <= made.provenance.source_frame[k] < span.source_end
 
 
 def _standing() -> kx.Motion:

@@ -55,7 +55,8 @@ class Span(NamedTuple):
     source: int
     """Number of the recording."""
     source_start: float
-    """[source_start, source_end) of it, in its own frames; a part of a frame where it was resampled."""
+    """[source_start, source_end) of it, in its own frames, which hold as much of it as the performance does: parts of frames
+    where it was resampled."""
     source_end: float
     mirrored: bool
     backwards: bool
@@ -206,7 +207,7 @@ class Piece:
             source = int(where.recording[a])
             facts = self.sources[source]
             first, last = sorted((float(where.source_frame[a]), float(where.source_frame[b - 1])))
-            end = min(last + max(1.0, facts.fps / fps), float(facts.frames))
+            end = min(last + facts.fps / fps, float(facts.frames))
             out.append(Span(a, b, source, first, end, bool(where.mirrored[a]), bool(where.backwards[a])))
         return tuple(out)
 
