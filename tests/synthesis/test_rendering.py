@@ -147,7 +147,6 @@ def test_feet_stay_where_they_are_put(made: Network, paths: list[int]) -> None:
         slides.append(checking.slide(sole, sole[..., 1] - stage.levels[touch.foot]))
     assert max(slides) < 0.015
     assert np.median(slides) < 0.002
-    assert done.missed[done.feet].max() < 1e-3
     assert done.lowered.max() < 0.06
 
 

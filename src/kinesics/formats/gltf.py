@@ -34,7 +34,7 @@ EXTRAS: Final = gltf_reading.EXTRAS
 _TONE: Final = (0.66, 0.60, 0.53, 1.0)
 """Of the figure: linear colour, near that of unpainted wood."""
 _STILL: Final = 1e-7
-"""A joint translation that stays this near to its mean, metres, needs one key only."""
+"""Metres: a joint that stays this near to its offset in the skeleton needs no key."""
 
 
 def sniff(head: bytes) -> bool:

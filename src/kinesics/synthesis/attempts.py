@@ -320,9 +320,7 @@ def _first(done: Performance, frames: int) -> Performance:
         cuts=done.cuts[done.cuts < frames],
         feet=done.feet[:frames],
         contacts=tuple(c._replace(end=min(c.end, frames)) for c in done.contacts if c.start < frames),
-        corrected=done.corrected[:frames],
         lowered=done.lowered[:frames],
-        missed=done.missed[:frames],
     )
 
 

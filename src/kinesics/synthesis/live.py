@@ -330,7 +330,6 @@ def performed(network: Network, frames: Sequence[LiveFrame], *, name: str = "liv
         transition=transition,
         weight=np.ones(count),
     )
-    zero = np.zeros((count, 2))
     return Performance(
         motion,
         came,
@@ -339,7 +338,5 @@ def performed(network: Network, frames: Sequence[LiveFrame], *, name: str = "liv
         standing,
         (),
         stage.soles,
-        np.zeros((count, 2, 3)),
         np.zeros(count),
-        zero,
     )

@@ -86,12 +86,6 @@ class Footed(NamedTuple):
     """Shape (frames, joints, 4)."""
     roots: Array
     """Metres, shape (frames, 3)."""
-    corrected: Array
-    """Metres by which the ankles were moved, shape (frames, 2, 3)."""
-    lowered: Array
-    """Metres by which the pelvis was lowered, shape (frames,)."""
-    missed: Array
-    """Metres by which each ankle falls short of its place all the same, shape (frames, 2)."""
 
 
 def pin(
@@ -178,7 +172,7 @@ def pin(
     assert best is not None
     done, put_back = best
     beside = (done.roots[0] - roots[0]) * [1.0, 0.0, 1.0]
-    done = done._replace(roots=done.roots - beside, corrected=done.corrected - beside)
+    done = done._replace(roots=done.roots - beside)
     return done._replace(roots=above_the_floor(stage, done.roots, put_back))
 
 
@@ -340,7 +334,7 @@ def _planted(
     shift[:, 1] -= _lowering(stage, known.positions + shift[:, None], targets, held, fps)
     known = known._replace(positions=known.positions + shift[:, None])
     done = inverse_kinematics.reach(skeleton, rotations, roots + shift, targets, limbs=legs, known=known)
-    return Footed(done.rotations, roots + shift, corrected, np.maximum(-shift[:, 1], 0.0), done.misses)
+    return Footed(done.rotations, roots + shift)
 
 
 class Followed(NamedTuple):

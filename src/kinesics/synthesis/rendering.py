@@ -39,7 +39,7 @@ from kinesics.synthesis import blending
 from kinesics.synthesis.arms import put_arms_clear
 from kinesics.synthesis.meeting import meetings
 from kinesics.synthesis.network import Network
-from kinesics.synthesis.planting import Footed, above_the_floor, pin
+from kinesics.synthesis.planting import above_the_floor, pin
 from kinesics.synthesis.ranges import YIELD, envelope, put_joint, put_within_range
 from kinesics.synthesis.rehearsal import played
 from kinesics.synthesis.repertoire import Repertoire
@@ -82,7 +82,7 @@ class Provenance:
     path: Indices
     """Number of the path in the network."""
     transition: Mask
-    """Whether the frame lies within a transition: its pose is not quite that of its source."""
+    """Whether the frame lies within a transition: for its sake the pose is not quite that of its source."""
     weight: Array
     """Share of the frame's own recording in it: 1 away from transitions, about ½ at a cut, where the other is the rest."""
 
@@ -113,12 +113,8 @@ class Performance:
     """Whether the left and the right foot bear on the ground, shape (frames, 2)."""
     contacts: tuple[Contact, ...]
     soles: Soles
-    corrected: Array
-    """Metres by which the ankles were moved to keep the feet on the ground, shape (frames, 2, 3)."""
     lowered: Array
-    """Metres by which the pelvis was lowered, shape (frames,)."""
-    missed: Array
-    """Metres by which each ankle falls short of its place all the same, shape (frames, 2)."""
+    """Metres by which the pelvis was lowered to keep the feet on the ground, shape (frames,)."""
 
 
 def render(
@@ -173,9 +169,6 @@ def render(
         if _not_too_far(stage, rotations, blended.rotations, laid.moments, network.threshold):
             known = kinematics.forward(network.repertoire.skeleton, rotations, roots, joints=stage.lower)
             roots = above_the_floor(stage, roots, known)
-    else:
-        zero = np.zeros((len(roots), 2, 3))
-        footed = Footed(rotations, roots, zero, np.zeros(len(roots)), np.zeros((len(roots), 2)))
     put_arms_clear(stage, rotations, roots)
     motion = Motion(
         network.repertoire.skeleton,
@@ -193,9 +186,7 @@ def render(
         standing,
         _contact_list(stage, motion, standing),
         stage.soles,
-        footed.corrected,
-        footed.lowered,
-        footed.missed,
+        np.maximum(blended.roots[:, 1] - roots[:, 1], 0.0),
     )
 
 
