@@ -176,7 +176,8 @@ struct Limb {
     Vector low, high;
     Gently turned;
 
-    void inside(const double *q, const Given &given, double *to) const {
+    // Returns whether it was held back.
+    bool inside(const double *q, const Given &given, double *to) const {
         double from[4], v[3], held[3], off = 0.0;
         undo(middle.data(), q, from);
         logarithm(from, v);
@@ -186,10 +187,11 @@ struct Limb {
         }
         if (off < given.rounding) {
             std::copy(q, q + 4, to);
-            return;
+            return false;
         }
         exponential(held, from);
         multiply(middle.data(), from, to);
+        return true;
     }
 
     void toward(const double *own, const double *wanted, const Given &given, double *to) {
@@ -259,6 +261,17 @@ class Leg {
         turn(world[knee.at].data(), hinge.data(), axis.data());
         Quaternion bend, wanted, bent, swing, swung, turned, above, hip_to, knee_to, ankle_to, tipped;
         bending(at, upper, lower, reachable, axis, bend);
+        // a thigh at the end of its range goes no farther, and the knee takes the ankle as near as it can
+        turn(bend.data(), lower.data(), whole.data());
+        for (int n = 0; n < 3; ++n) whole[n] += upper[n], reachable[n] -= at[n];
+        least_turn(whole.data(), reachable.data(), swing.data());
+        multiply(swing.data(), world[hip.at].data(), turned.data());
+        undo(world[hip.above].data(), turned.data(), wanted.data());
+        if (hip.inside(wanted.data(), given, hip_to.data())) {
+            multiply(world[hip.above].data(), hip_to.data(), turned.data());
+            between(world[hip.at].data(), turned.data(), swung.data());
+            pointing(upper, lower, reachable, axis, swung, bend);
+        }
         multiply(bend.data(), world[knee.at].data(), turned.data());
         undo(world[knee.above].data(), turned.data(), wanted.data());
         knee.toward(local[knee.at].data(), wanted.data(), given, knee_to.data());
@@ -315,6 +328,19 @@ class Leg {
         if (bent < given.backward) angle = -angle;
         const double sine = std::sin(0.5 * angle);
         to = {std::cos(0.5 * angle), sine * axis[0], sine * axis[1], sine * axis[2]};
+    }
+
+    // The turn of the shank, the thigh being swung, by which it points as near to the target as its hinge lets it.
+    static void pointing(const Vector &upper, const Vector &lower, const Vector &target, const Vector &axis,
+                         const Quaternion &swung, Quaternion &to) {
+        const Quaternion back = {swung[0], -swung[1], -swung[2], -swung[3]};
+        Vector way, across;
+        turn(back.data(), target.data(), way.data());
+        for (int n = 0; n < 3; ++n) way[n] -= upper[n];
+        cross(lower.data(), way.data(), across.data());
+        const double along = dot(lower.data(), way.data()) - dot(axis.data(), lower.data()) * dot(axis.data(), way.data());
+        const double half = 0.5 * std::atan2(dot(axis.data(), across.data()), along), sine = std::sin(half);
+        to = {std::cos(half), sine * axis[0], sine * axis[1], sine * axis[2]};
     }
 
     std::array<Limb, 3> limbs;

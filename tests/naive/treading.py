@@ -55,7 +55,7 @@ class Treading:
         self.shift, self.velocity, self.acceleration = np.zeros((3, 2, 2))
         self.over = np.zeros((2, 2))
         self.stood, self.lags = [False, False], [False, False]
-        self.slips = 0
+        self.slips = self.held_back = 0
         dt = 1.0 / stage.repertoire.fps
         self.turned = {j: Follower(max(stage.accelerations[j], LEAST_TURNING), dt) for j in self.joints}
         self.body, self.raised = Follower(SPARED * stage.usual.body, dt), Follower(SPARED * stage.usual.body, dt)
@@ -142,8 +142,12 @@ class Treading:
         ).rotations[0]
         feet = kinematics.forward(skeleton, rotations[None], root[None]).rotations[0, list(self.legs.feet)]
         rotations = rotations.copy()
-        for joint in self.legs.tibias:
-            self.toward(rotations, joint, wanted[joint])
+        for k, (hip, knee) in enumerate(zip(self.legs.femurs, self.legs.tibias, strict=True)):
+            held = self.inside(hip, wanted[hip])
+            if quaternion.angle(held, wanted[hip]) > 1e-9:
+                self.held_back += 1
+                wanted[knee] = self.pointing(rotations, root, k, held, near_targets[k])
+            self.toward(rotations, knee, wanted[knee])
         positions, _ = self.placed(rotations, root)
         for k, joint in enumerate(self.legs.femurs):
             hip, ankle = positions[joint], positions[self.legs.feet[k]]
@@ -161,6 +165,22 @@ class Treading:
         under = -soles[..., 1].min()
         raised = self.raised.follow(np.array([0.0, max(under - SUNK, 0.0), 0.0]))[1]
         return rotations, root + np.array([0.0, max(raised, under - 0.009), 0.0])
+
+    def pointing(
+        self, rotations: np.ndarray, root: np.ndarray, k: int, held: np.ndarray, target: np.ndarray
+    ) -> np.ndarray:
+        """The rotation of the knee, of all that its hinge lets it take, that brings the ankle nearest to its target."""
+        hip, knee, ankle = self.legs.femurs[k], self.legs.tibias[k], self.legs.feet[k]
+        legs = rotations.copy()
+        legs[hip] = held
+        # the square of the distance goes as a sine of the angle: four of them tell where it is least
+        angles = np.array([0.0, 0.5, 1.0, -0.5]) * np.pi
+        turned = np.repeat(legs[None], len(angles), axis=0)
+        turned[:, knee] = quaternion.multiply(legs[knee], quaternion.from_rotvec(angles[:, None] * self.legs.hinges[k]))
+        at = kinematics.forward(self.stage.repertoire.skeleton, turned, np.repeat(root[None], len(angles), axis=0))
+        ahead, left, behind, right = np.square(at.positions[:, ankle] - target).sum(axis=-1)
+        least = np.arctan2(right - left, behind - ahead)
+        return quaternion.multiply(legs[knee], quaternion.from_rotvec(least * self.legs.hinges[k]))
 
     def slower(self, velocity: np.ndarray) -> np.ndarray:
         """Braked for one frame as quickly as feet are."""

@@ -1,6 +1,8 @@
 """A leg that reaches, frame by frame: its foot goes where it is asked to, as far as its joints go and as gently as they turn.
 
-The knee is bent and the leg swung as by `kinesics.synthesis.inverse_kinematics.turns`. No joint leaves its range, and what is added
+The knee is bent and the leg swung as by `kinesics.synthesis.inverse_kinematics.turns`; where that would take the thigh beyond its
+range, as of a leg that trails behind a long step, the knee alone takes the foot as near as it can: to stretch it all the same
+would drag the foot along by centimetres for millimetres that the leg lacks. No joint leaves its range, and what is added
 to its rotation goes after what is asked no more quickly than the recordings accelerate it (`Gently`). Done for both legs in every
 frame, it is compiled where that was built; here is the same in plain numbers.
 """
@@ -234,9 +236,15 @@ class _Plain:
             # a leg that swings is not stretched for what its foot cannot reach
             share = (now + bears * (asked - now)) / asked
             reachable = single.add(at, (share * aim[0], share * aim[1], share * aim[2]))
-        bend, _ = inverse_kinematics.turns(
-            at, middle, single.add(middle, lower), reachable, single.rotate(world[knee.at], self._hinge)
-        )
+        axis = single.rotate(world[knee.at], self._hinge)
+        bend, swing = inverse_kinematics.turns(at, middle, single.add(middle, lower), reachable, axis)
+        above = world[hip.above]
+        wanted = single.undo(above, single.multiply(swing, world[hip.at]))
+        held = hip.inside(wanted)
+        if held is not wanted:
+            # a thigh at the end of its range goes no farther, and the knee takes the ankle as near as it can
+            swung = _turn(world[hip.at], single.multiply(above, held))
+            bend = _pointing(upper, lower, single.subtract(reachable, at), axis, swung)
         # each is the old world orientation, turned, seen from its parent, turned or not; the foot's is as it was
         above = world[knee.above]
         bent_knee = self._toward(1, local[knee.at], single.undo(above, single.multiply(bend, world[knee.at])))
@@ -259,6 +267,16 @@ class _Plain:
         limb = self._limbs[k]
         turn = single.as_rotvec(single.undo(own, limb.inside(wanted)))
         return limb.inside(single.multiply(own, single.from_rotvec(self._turned[k].follow(turn))))
+
+
+def _pointing(upper: Vector, lower: Vector, target: Vector, axis: Vector, swung: Quaternion) -> Quaternion:
+    """The turn of the shank, the thigh being swung, by which it points as near to the target as its hinge lets it."""
+    w, x, y, z = swung
+    way = single.subtract(single.rotate((w, -x, -y, -z), target), upper)
+    along = single.dot(lower, way) - single.dot(axis, lower) * single.dot(axis, way)
+    half = 0.5 * math.atan2(single.dot(axis, single.cross(lower, way)), along)
+    sine = math.sin(half)
+    return math.cos(half), sine * axis[0], sine * axis[1], sine * axis[2]
 
 
 def _turn(before: Quaternion, after: Quaternion) -> Quaternion:
