@@ -202,9 +202,7 @@ class Chain:
     """The joints between root and soles, parents first, the root at their head."""
 
     def __init__(self, joints: list[int], above: list[int], offsets: list[_Vector]) -> None: ...
-    def placed(
-        self, rotations: _Doubles, root: _Vector
-    ) -> tuple[list[_Quaternion], list[_Vector], list[_Quaternion]]:
+    def placed(self, rotations: _Doubles, root: _Vector) -> tuple[list[_Quaternion], list[_Vector], list[_Quaternion]]:
         """Their rotations, of those of all joints (joints, 4); their places and orientations in the world."""
 
 class Leg:
