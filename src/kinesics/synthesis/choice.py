@@ -15,8 +15,12 @@ Indices = NDArray[np.intp]
 Mask = NDArray[np.bool_]
 
 _FORESTS: Final = 4
+"""Times that recordings are joined, each time by other pairs of them: so that none hangs on one other alone."""
 _BRIDGES: Final = 4
+"""Pairs of seams that join two recordings, the cheapest: one alone may lead there and never back."""
 _AS_GOOD_AS_FREE: Final = 1e-6
+"""What it costs to go over by pairs that are chosen already, where any other costs 1 and more: any number of them is better than
+one more pair, and of two ways over them the shorter one is taken."""
 
 
 def best(seams: Seams, pairs: Pairs, density: float) -> Pairs:
@@ -24,7 +28,8 @@ def best(seams: Seams, pairs: Pairs, density: float) -> Pairs:
 
     Parameters
     ----------
-    density : transitions that leave each second of a strand, on average.
+    density : transitions that leave each second of a strand, on average: at most so many, but 2 at least and a whole number of
+        twos; not counted are those that join recordings.
     """
     # a pair is left from either side; each second names half of its transitions, its partners name the others
     most = max(1, int(0.5 * density))

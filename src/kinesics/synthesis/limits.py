@@ -34,22 +34,31 @@ DIRECTION: Final = 0.85
 SLOW: Final = 0.5
 """The same where both are slow, as a share of what the velocity itself changes in the time of a blend (median)."""
 CHANGE_QUANTILE: Final = 0.9
+"""Quantile of what moving moments change within a blend, the limit of all but poses and their velocities: the quickest tenth sets
+no measure for the others."""
 FOOT: Final = 0.5
-"""Difference between shares of time on the ground about the seam."""
+"""Difference between shares of time on the ground about the seam: that of a foot that stands from one that lands or lifts at the
+seam itself; from one that swings it differs by twice as much."""
 FOOT_SECONDS: Final = 0.14
-"""Within which it is counted."""
+"""Seconds about the seam within which it is counted: no step is as short."""
 PLACE: Final = 0.7
 """Difference between the places of the feet, as a share of what nine tenths of all moments change within a blend."""
 BEARING: Final = 0.3
-"""The same of a foot that bears, as a share of that."""
+"""The same of a foot that bears all the time about the seam, as a share of that: its leg alone makes up for the difference."""
 FOOT_VELOCITY: Final = 0.5
 """Difference between their velocities, likewise."""
 _LEAST_PLACE: Final = 0.15
+"""Metres, however little the feet move: half a foot's length."""
 _MOST_PLACE: Final = 0.2
+"""Metres, however far they go in a blend, in runs and leaps: three quarters of a foot's length."""
 _LEAST_VELOCITY: Final = 0.1
+"""m/s, of root and feet: 2.5 cm over a blend."""
 _LEAST_TURN: Final = 0.5
+"""rad/s: 7 degrees over a blend, about what the pelvis of a walker turns to and fro in a step."""
 _LEAST_HEIGHT: Final = 0.03
+"""Metres: about what the pelvis of a walker rises and sinks in a step."""
 _SAMPLES: Final = 1024
+"""Moments compared all with all for how far pairs of them usually are apart: a million pairs."""
 
 
 @dataclass(frozen=True)
@@ -71,9 +80,19 @@ class Limits:
     height: float
     """Of the root, metres."""
     place: float
-    """Of a swinging foot beneath the root, metres; of one that bears half as much."""
+    """Of a swinging foot beneath the root, metres; of one that bears `BEARING` of it."""
     foot_velocity: float
     """Of a foot beneath the root, m/s."""
+
+
+def half_window(fps: float) -> int:
+    """Frames to either side of a seam that are compared: `WINDOW` has twice as many."""
+    return max(1, round(0.5 * WINDOW * fps))
+
+
+def span(fps: float) -> int:
+    """Frames from the first to the last of `WINDOW`, over which velocities are taken: one fewer than it has."""
+    return 2 * half_window(fps) - 1
 
 
 def find_limits(repertoire: Repertoire, threshold: float | None, weights: Array) -> Limits:
@@ -121,7 +140,7 @@ def find_limits(repertoire: Repertoire, threshold: float | None, weights: Array)
     roots = repertoire.roots_of(index)
     yaw = np.unwrap(repertoire.yaw_of(index))
     # velocities over a window, as they are compared
-    wide = max(1, round(WINDOW * repertoire.fps))
+    wide = span(repertoire.fps)
     ends = repertoire.starts[recording + 1] - 1
     ahead = np.minimum(index + wide, ends)
     seconds = np.maximum(ahead - index, 1) / repertoire.fps

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from kinesics.similarity import chord
 from kinesics.similarity.metric import paired_distance
-from kinesics.synthesis.limits import BEARING, DIRECTION, FOOT, FOOT_SECONDS, WINDOW, Limits
+from kinesics.synthesis.limits import BEARING, DIRECTION, FOOT, FOOT_SECONDS, Limits, half_window, span
 from kinesics.synthesis.measures import feet_beneath, from_heading, pose_velocity
 from kinesics.synthesis.repertoire import Repertoire
 
@@ -100,7 +100,7 @@ class Seams:
         self.fps, starts = repertoire.fps, repertoire.starts
         self.frames = repertoire.frame_count
         self.quaternions = (repertoire.poses.quaternions, repertoire.poses.mirror().quaternions)
-        self.half = max(1, round(0.5 * WINDOW * self.fps))
+        self.half = half_window(self.fps)
         self.spacing = max(1, ceil(spacing * self.fps - 1e-9))
         self.recording = repertoire.recording_of(np.arange(self.frames))
         first, end = starts[self.recording], starts[self.recording + 1]
@@ -110,7 +110,8 @@ class Seams:
         far = 0.5 * float(chord(min(limits.distance, limits.found)))
         self.cell = _steps(repertoire, far, weights, self.spacing)
         """Number of the step that each seam lies in."""
-        before, after = np.maximum(index - self.half, first), np.minimum(index + self.half, end) - 1
+        before = np.maximum(index - self.half, first)
+        after = np.minimum(index - self.half + span(self.fps), end - 1)
         seconds = np.maximum(after - before, 1) / self.fps
         self.pose_velocity = [pose_velocity(q[before], q[after], weights, seconds) for q in self.quaternions]
         last = np.maximum(index - 1, first)

@@ -14,7 +14,7 @@ Seams, the places between frames, and the relations between them are told in `ki
 - the feet: none that stands where the other swings, unless it changes at the seam;
 - where ankles and toes are beneath the body, seen from the heading: D is in angles and does not tell strides of unlike length, but
   a foot that stays where it bears must make up for the difference with its leg. By no more than `PLACE` of what all moving
-  moments change within the time of a blend, 15 to 20 cm, a bearing foot by a third as much;
+  moments change within the time of a blend, 15 to 20 cm, a bearing foot by `BEARING` of that;
 - and how fast they go there: by no more than `FOOT_VELOCITY` of what changes within that time.
 
 The thresholds are found in the recordings (`kinesics.synthesis.limits`).
@@ -57,7 +57,7 @@ Mask = NDArray[np.bool_]
 SPACING: Final = 0.1
 """Seconds between seams that are used, at least."""
 DENSITY: Final = 30.0
-"""Transitions that leave each second of each strand, at most, on average."""
+"""Transitions that leave each second of each strand, at most, on average, but for those that join."""
 _ROUNDS: Final = 4
 """Times that more is joined, where what was to join it agrees on no seams that there are."""
 
@@ -109,7 +109,8 @@ def transitions(
     ----------
     threshold : largest mean D accepted; found in the recordings if not given (`Limits.rule`).
     density : transitions that leave each second of a strand, on average and at most; the best are kept, of every second and
-        towards every recording.
+        towards every recording. Each second names one at least, which is used from both its sides: less than 2 leaves
+        hardly fewer than 2, and beyond that only twos count. Whatever it takes that nothing is lost comes on top.
     spacing : seconds between the moments at which one may leave or arrive, at least.
     weights : of the 15 links in D, see `kinesics.similarity.distance`.
     progress : told the fraction done; may raise to stop.
