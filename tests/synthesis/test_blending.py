@@ -55,7 +55,9 @@ def test_two_curves_become_one_of_continuous_acceleration() -> None:
     assert np.abs(np.diff(joined)).max() < 4.0 / fps
     curve = np.diff(joined, n=2) * fps**2
     own = 0.5 * (4.0 + 0.7 * 2.4**2)
-    assert np.abs(curve).max() < own + 5.774 * 0.5 * abs(offset[0]) / 0.3**2 + 3.95 * 0.5 * abs(velocity[0]) / 0.3 + 0.1
+    assert (
+        np.abs(curve).max() < own + 5.774 * 0.5 * abs(offset[0]) / 0.3**2 + 3.941 * 0.5 * abs(velocity[0]) / 0.3 + 0.1
+    )
     # two sines have accelerations of their own: that is all that is left to leap
     assert np.abs(np.diff(curve)).max() < abs(-4.0 * 0.0 + 0.7 * 2.4**2 * np.sin(0.3)) + 1.0
 
@@ -70,6 +72,16 @@ def test_window_keeps_to_the_acceleration_allowed(offset: float, velocity: float
         added = blending.two_sided(np.array([offset, 0, 0]), np.array([velocity, 0, 0]), times, window)[:, 0]
         pushed = np.abs(np.diff(added, n=2)) / (times[1] - times[0]) ** 2
         assert pushed.max() <= 1.01 * allowed + 1e-6
+
+
+def test_what_quintics_reach_at_most_is_exact() -> None:
+    """Of unit offset and of unit velocity: as finely as they are sampled, nothing accelerates more or goes farther."""
+    times, step = np.linspace(0.0, 1.0, 20_001, retstep=True)
+    one, none = np.ones(1), np.zeros(1)
+    for offset, velocity, peak in ((one, none, blending._PEAK), (none, one, blending._PEAK_OF_VELOCITY)):
+        added = blending.decay(offset, velocity, times, 1.0)[:, 0]
+        assert np.abs(np.diff(added, n=2)).max() / step**2 == pytest.approx(peak, rel=1e-5)
+    assert blending.decay(none, one, times, 1.0).max() == pytest.approx(blending._FARTHEST, rel=1e-7)
 
 
 def test_shorter_side_bears_less() -> None:

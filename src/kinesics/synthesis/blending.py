@@ -33,10 +33,11 @@ LONGEST: Final = 0.4
 """At most: a longer one would show a movement that is neither the one nor the other."""
 _PEAK: Final = 10.0 / np.sqrt(3.0)
 """Greatest acceleration of the quintic that goes from 1 to 0 in unit time."""
-_PEAK_OF_VELOCITY: Final = 3.95
-"""Greatest acceleration of the quintic that starts at 0 with unit velocity and ends at rest in unit time."""
-_FARTHEST: Final = 0.1975
-"""How far that one goes from 0: the greatest value of t (1 − t)³ (1 + 3t)."""
+_PEAK_OF_VELOCITY: Final = (224.0 + 152.0 * np.sqrt(19.0)) / 225.0
+"""Greatest acceleration of the quintic that starts at 0 with unit velocity and ends at rest in unit time, t (1 − t)³ (1 + 3t): that
+at t = (8 − √19)/15."""
+_FARTHEST: Final = 16.0 / 81.0
+"""How far that one goes from 0: at t = 1/3."""
 SLOWEST: Final = 1.0
 """Seconds to either side that fingers and the like may take."""
 CARRIED: Final = 0.1
@@ -230,8 +231,3 @@ def rotation_offset(left: Array, entered: Array) -> Array:
 def add_rotation(q: Array, offset: Array) -> Array:
     """``q · exp(offset)``, shapes (..., 4) and (..., 3)."""
     return quaternion.multiply(q, quaternion.from_rotvec(offset))
-
-
-def angular_velocity(before: Array, after: Array, seconds: float) -> Array:
-    """Of joints that turn from ``before`` to ``after``, in their own frames, rad/s, shape (..., 4) to (..., 3)."""
-    return rotation_offset(before, after) / seconds
