@@ -9,9 +9,21 @@ import numpy as np
 import kinesics as kx
 from kinesics.body import kinematics
 from kinesics.geometry import quaternion
-from kinesics.synthesis.arms import put_arms_clear
+from kinesics.synthesis.arms import _Moment, put_arms_clear
 from kinesics.synthesis.repertoire import repertoire
 from kinesics.synthesis.stage import FLESH, Stage
+
+
+def test_arms_that_another_turn_has_freed_are_left() -> None:
+    """Where nothing is too deep, no way round is taken, though ways were found for other moments of the movement."""
+    made = repertoire(kx.performer.walk(seconds=4, fps=30.0, seed=1).motion)
+    stage = Stage.of(made)
+    names = list(stage.capsules.names)
+    pair = stage.capsules.pairs.index((names.index("left radius"), names.index("right radius")))
+    moment = _Moment.at(stage, made.rotations[0, :20], made.root_positions[0, :20], np.ones(20))
+    sides = np.ones(2, dtype=np.bool_)
+    for found in ([], [np.array([[0.1, 0.0, 0.0], [0.0, 0.0, 0.0]])]):
+        assert not moment.way_round(pair, sides, found).any()
 
 
 def test_arms_that_pass_through_each_other_go_round() -> None:

@@ -127,7 +127,8 @@ def _go_round(stage: Stage, rotations: Array, roots: Array, arms: NDArray[np.boo
     """Where arms pass through something from one side to the other, or anywhere, they go round it; in place."""
     skeleton, capsules = stage.repertoire.skeleton, stage.capsules
     known = kinematics.forward(skeleton, rotations, roots)
-    deep = (capsules.depths(*known) - stage.deepest > FLESH) & arms.any(axis=0)
+    deeper = capsules.depths(*known) - stage.deepest
+    deep = (deeper > FLESH) & arms.any(axis=0)
     if not deep.any():
         return
     ends = capsules.ends(*known)
@@ -146,8 +147,11 @@ def _go_round(stage: Stage, rotations: Array, roots: Array, arms: NDArray[np.boo
             share[first:past] = 1.0
             share = envelope(share, reach)
             goes = np.flatnonzero(share)
-            looked = goes[np.unique(np.linspace(0, len(goes) - 1, _LOOKED_AT).astype(np.intp))]
+            looked = goes[np.linspace(0, len(goes) - 1, _LOOKED_AT - 1).astype(np.intp)]
+            looked = np.union1d(looked, first + deeper[first:past, n].argmax())
             turns = _Moment.at(stage, rotations[looked], roots[looked], share[looked]).way_round(n, arms[:, n], found)
+            if not turns.any():
+                continue
             found.append(turns)
             moment = _Moment.at(stage, rotations[goes], roots[goes], share[goes])
             for side, turn in enumerate(turns):
@@ -211,7 +215,8 @@ class _Moment(NamedTuple):
     def way_round(self, pair: int, sides: NDArray[np.bool_], found: list[Array]) -> Array:
         """Least turns of both shoulders by which neither this pair nor any other of the arms' is too deep; else the best.
 
-        Those ``found`` for other moments of the movement are tried first, for much of it recurs.
+        None where none is too deep, as turns for another pair may have seen to. Those ``found`` for other moments of the movement
+        are tried first, for much of it recurs.
         """
         one, none = _WAYS / np.linalg.norm(_WAYS, axis=1, keepdims=True), np.zeros((len(_WAYS), 3))
         # one arm alone; both as in a mirror; one this way and one that
@@ -222,6 +227,8 @@ class _Moment(NamedTuple):
         tried = tried[np.argsort(np.linalg.norm(tried, axis=(1, 2)), kind="stable")]
         every = [n for n, of in enumerate(self.stage.capsules.pairs) if self.of_arms[:, list(of)].any()]
         best, least = np.zeros((2, 3)), float(self.over(np.zeros((1, 2, 3)), every)[0])
+        if least <= SKIN:
+            return best
         for a in range(-_TOGETHER if found else 0, len(tried), _TOGETHER):
             some = tried[a : a + _TOGETHER] if a >= 0 else np.array(found)
             some = some[self.over(some, [pair]) < least]
