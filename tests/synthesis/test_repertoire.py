@@ -171,6 +171,10 @@ def test_what_cannot_be_performed_is_refused() -> None:
         repertoire([walk], fps=1e5)
     with pytest.raises(InputError, match=r"walk has 2 frames a second, fewer than the 8"):
         repertoire([walk.replace(fps=2.0)])
+    fast = walk.replace(fps=2000.0)
+    with pytest.raises(InputError, match=r"walk has 2000 frames a second, more than the 1000 that are performed"):
+        repertoire([fast, walk])
+    assert repertoire([walk, fast], fps=60.0).fps == 60.0
     with pytest.raises(InputError, match=r"Too short to perform from: 'walk' lasts 0.2 s, 12 frames"):
         repertoire([walk[:12]])
     with pytest.raises(InputError, match=r"Too short to perform from: 'walk', 'walk \(2\)' last 0.2 s at most"):

@@ -300,7 +300,11 @@ class _Blended(NamedTuple):
 
 
 def _blend(stage: Stage, laid: _Laid, threshold: float) -> _Blended:
-    """Without seams, and no frame farther from the moment it plays than moments may be apart between which one goes over."""
+    """Without seams.
+
+    A transition that takes a frame farther from the moment it plays than ``threshold`` is made again in less time, `_TRIES` times
+    at most in all: of a body that leaps at a cut frames may stay farther.
+    """
     room = laid.room.copy()
     for _ in range(_TRIES):
         blended, spans = _inertial(stage, laid, room)

@@ -277,8 +277,8 @@ def repertoire(
     Raises
     ------
     InputError
-        If there is no motion, a motion has a single frame, all are too short, or a frame rate is too low to pass from one
-        recording to another.
+        If there is no motion, a motion has a single frame, all are too short, a frame rate is too low to pass from one
+        recording to another, or that of the output is above `MOST_FPS`.
     SkeletonError
         If a skeleton cannot be understood as a human body or has no feet; the message says which recording.
 
@@ -443,6 +443,11 @@ def check_rate(fps: float) -> float:
 def _rate(fps: float | None, motions: Sequence[Motion], names: Sequence[str]) -> float:
     """Frames a second of the output."""
     rate = motions[0].fps if fps is None else check_rate(fps)
+    if rate > MOST_FPS:
+        raise InputError(
+            f"{names[0]} has {rate:g} frames a second, more than the {MOST_FPS:g} that are performed at most. Give a lower "
+            "rate (`fps`, --fps), or, if the file is wrong about its own, read it with the right one (`kinesics.read(…, fps=…)`)."
+        )
     for name, motion in zip(names, motions, strict=True):
         if motion.fps < LEAST_FPS:
             raise InputError(
