@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import kinesics as kx
+from bodies import rounds
 from kinesics import compiled
 from kinesics.body import contacts
 from kinesics.body.contacts import Floor
@@ -24,7 +25,7 @@ from kinesics.synthesis.network import Network, network
 from kinesics.synthesis.ranges import envelope
 from kinesics.synthesis.rendering import render
 from kinesics.synthesis.repertoire import repertoire
-from kinesics.synthesis.stage import BEARING, FLESH, Stage, turn_bodies
+from kinesics.synthesis.stage import BEARING, FLESH, LEAST_TURNING, Stage, turn_bodies
 from naive import rendering as naive
 
 
@@ -320,8 +321,6 @@ def test_quality_of_the_recording_itself_is_its_own_yardstick(made: Network) -> 
 
 def test_quality_finds_what_is_wrong(made: Network, paths: list[int]) -> None:
     """A body that is dragged over the floor slides, one that is sunk penetrates, one that trembles accelerates."""
-    import dataclasses
-
     done = render(made, paths)
     fine = quality.measure(done, made.repertoire)
     roots = done.motion.root_positions.copy()
@@ -334,6 +333,26 @@ def test_quality_finds_what_is_wrong(made: Network, paths: list[int]) -> None:
     )
     shaken = dataclasses.replace(done, motion=done.motion.replace(rotations=trembling))
     assert quality.measure(shaken, made.repertoire).turning_over.performance > 2.0 * fine.turning_over.performance
+
+
+def test_joints_that_never_moved_are_measured_by_what_nobody_sees() -> None:
+    """They tremble less: nothing is counted; they tremble a hundred times more: all of them are."""
+    made = network(repertoire(rounds()))
+    done, stage = render(made, walking(made, 40, 2)), Stage.of(made.repertoire)
+    still = np.flatnonzero(stage.accelerations[:-1] <= 2e-6)
+    assert len(still)
+    fps, count = done.motion.fps, made.repertoire.skeleton.joint_count
+    fine = quality.measure(done, made.repertoire)
+    noise = np.random.default_rng(1).uniform(-1.0, 1.0, (len(done.motion), len(still), 3))
+    shares = []
+    for size in (0.1, 10.0):
+        rotations = done.motion.rotations.copy()
+        turns = quaternion.from_rotvec(noise * size * LEAST_TURNING / fps**2)
+        rotations[:, still] = quaternion.multiply(rotations[:, still], turns)
+        shaken = dataclasses.replace(done, motion=done.motion.replace(rotations=rotations))
+        shares.append(quality.measure(shaken, made.repertoire).turning_over.performance)
+    assert shares[0] == pytest.approx(fine.turning_over.performance)
+    assert shares[1] - shares[0] == pytest.approx(len(still) / count, rel=0.02)
 
 
 def test_real_walk(shared_data: Path) -> None:

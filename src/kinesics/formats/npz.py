@@ -61,7 +61,7 @@ def write(motion: Motion, path: Path, extras: Mapping[str, NDArray[Any]] | None 
     Raises
     ------
     InputError
-        If an extra has a name that is no identifier, or is no array of numbers or texts.
+        If an extra has a name of other than letters, digits and '_', or is no array of numbers or texts.
     """
     skeleton = motion.skeleton
     header: dict[str, Any] = {

@@ -21,7 +21,7 @@ from kinesics.geometry import quaternion
 from kinesics.synthesis.checking import ROUNDING, SLIDE, beyond, nearest, slide
 from kinesics.synthesis.rendering import Performance
 from kinesics.synthesis.repertoire import Repertoire
-from kinesics.synthesis.stage import FLESH, Stage
+from kinesics.synthesis.stage import FLESH, LEAST_BODY, LEAST_TURNING, Stage
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -42,7 +42,8 @@ class Quality:
 
     turning: Beside
     """Leaps of angular velocity from frame to frame, per joint as a share of the recordings' 99th percentile: the 99th
-    percentile over joints and frames of transitions; and of the same moments as they were recorded."""
+    percentile over joints and frames of transitions; and of the same moments as they were recorded. Joints that hardly move there
+    are measured by what nobody sees (`LEAST_TURNING`, of places `LEAST_BODY`)."""
     turning_over: Beside
     """Share of them that are beyond the recordings' 99th percentile, which is .01 over all that was recorded."""
     turning_added: float
@@ -92,7 +93,7 @@ class _Leaps(NamedTuple):
 @dataclass(frozen=True, eq=False)
 class _Yardstick:
     turning: Array
-    """99th percentile of each joint."""
+    """What is usual of each joint, see `_per_joint`."""
     acceleration: Array
     leaps: _Leaps
     """Of every frame and its mirror image, shape (2, frames, joints, 3); forwards."""
@@ -174,22 +175,27 @@ def _yardstick(repertoire: Repertoire) -> _Yardstick:
         for strand in strands:
             motion = repertoire.motion(k, strand)
             turnings[strand, a + 1 : b - 1], pushes[strand, a + 1 : b - 1] = _leaps(motion)
-            slide, stands, low = _feet(motion, stage)
+            slid, stands, low = _feet(motion, stage)
             feet[strand, a:b] = stands
-            slides.append(slide)
+            slides.append(slid)
             sunk = max(sunk, low)
     turning, pushing = (
-        _per_joint(np.linalg.norm(v[list(strands)][:, inner], axis=-1).reshape(-1, shape[2]))
-        for v in (turnings, pushes)
+        _per_joint(np.linalg.norm(v[list(strands)][:, inner], axis=-1).reshape(-1, shape[2]), least)
+        for v, least in ((turnings, LEAST_TURNING / repertoire.fps), (pushes, LEAST_BODY))
     )
     return _Yardstick(turning, pushing, _Leaps(turnings, pushes), np.concatenate(slides), feet, sunk)
 
 
-def _per_joint(values: Array) -> Array:
-    """99th percentile of each joint; joints that do not move count as the least of those that do."""
-    out = np.quantile(values, QUANTILE, axis=0) if len(values) else np.ones(values.shape[1])
-    moving = out > 1e-3 * out.max(initial=1e-9)
-    return np.where(moving, out, np.inf)
+def _per_joint(values: Array, least: float) -> Array:
+    """99th percentile of each joint, but no less than nobody sees: fingers, for one, that hardly move as they were recorded.
+
+    Parameters
+    ----------
+    values : of every frame and joint, shape (n, joints).
+    least : `LEAST_TURNING` for the time of a frame, rad/s, or `LEAST_BODY`, m/s².
+    """
+    usual = np.quantile(values, QUANTILE, axis=0) if len(values) else np.zeros(values.shape[1])
+    return np.maximum(usual, least)
 
 
 def _leaps(motion: Motion) -> _Leaps:
