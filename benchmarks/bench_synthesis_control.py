@@ -1,10 +1,11 @@
 """The controller on CMU walks: targets in any direction, routes, what mirrored copies are worth, time for a decision.
 
-    python benchmarks/bench_synthesis_control.py [--json FILE] [--only decisions|chirality|ready]
+    python benchmarks/bench_synthesis_control.py [--json FILE] [--only decisions|performed|chirality|ready]
 
-Everything is measured on the way of the root over the floor. Networks are made from the walks of the data folder at 30 frames a
-second. Targets lie 3-8 m away in any direction, drawn by seed. A trial begins with any path as recorded, drawn by seed (so it may
-begin turning the other way, or standing), and ends, at the latest, after 30 s. "Looked ahead 0 s" weighs single paths, as the
+Everything is measured on the way of the root over the floor, as planted feet carry the body (`kinesics.synthesis.afoot`), and of
+some whole performances on the movement performed. Networks are made from the walks of the data folder at 30 frames a second.
+Targets lie 3-8 m away in any direction, drawn by seed. A trial begins with any path as recorded, drawn by seed (so it may begin
+turning the other way, or standing), and ends, at the latest, after 30 s. "Looked ahead 0 s" weighs single paths, as the
 dissertation does. How long a graph takes is that of whole processes, from the files on.
 """
 
@@ -25,6 +26,7 @@ from numpy.typing import NDArray
 
 import kinesics as kx
 from harness import Table, data_folder, main, measure
+from kinesics.synthesis.afoot import afoot
 from kinesics.synthesis.controller import BEND, Controller
 from kinesics.synthesis.courses import Course, perform_paths
 from kinesics.synthesis.goals import RADIUS, Economy, Goal, Novelty, Route, Target, Targets
@@ -40,16 +42,19 @@ FPS = 30.0
 TRIALS = 200
 ROUTE_SEEDS = 10
 DECISIONS = 2_000
+PERFORMED = 40
+PERFORMED_ROUTES = 5
 MINUTES = (1, 10)
 READY_RUNS = 3
 READY = """
 import sys, warnings
 import kinesics as kx
+from kinesics.synthesis.afoot import afoot
 from kinesics.synthesis.network import network
 from kinesics.synthesis.prospects import prospects
 from kinesics.synthesis.repertoire import repertoire
 warnings.simplefilter("ignore")
-prospects(network(repertoire([kx.read(file) for file in sys.argv[1:]])))
+prospects(afoot(network(repertoire([kx.read(file) for file in sys.argv[1:]]))))
 """
 
 
@@ -83,7 +88,7 @@ def _clips(kind: str, count: int) -> list[kx.Motion]:
 
 
 def prepared(motions: Sequence[kx.Motion], mirrored: bool, lookahead: float = LOOKAHEAD) -> tuple[Network, Prospects]:
-    made = network(repertoire(motions, fps=FPS, mirrored=mirrored))
+    made = afoot(network(repertoire(motions, fps=FPS, mirrored=mirrored)))
     return made, prospects(made, lookahead)
 
 
@@ -267,8 +272,43 @@ def routes(motions: Sequence[kx.Motion]) -> Table:
     )  # fmt: skip
 
 
+def performed(motions: Sequence[kx.Motion]) -> Table:
+    """The same asked of `kinesics.perform`, and measured on the movement that comes of it."""
+    misses, ratios = [], []
+    rng = np.random.default_rng(2012)
+    for seed in range(PERFORMED):
+        metres, bearing = rng.uniform(3.0, 8.0), rng.uniform(-np.pi, np.pi)
+        place = metres * np.array([np.sin(bearing), np.cos(bearing)])
+        way = _root(kx.perform(motions, target=(float(place[0]), float(place[1])), fps=FPS, seed=seed))
+        off = np.hypot(*(way - place).T)
+        there = int(np.argmax(off <= 0.5)) if (off <= 0.5).any() else len(way) - 1
+        misses.append(off.min())
+        ratios.append(np.hypot(*np.diff(way[: there + 1], axis=0).T).sum() / metres)
+    rows = [
+        [f"{PERFORMED} targets 3-8 m away", f"{100.0 * np.mean(np.array(misses) <= 0.5):.0f} % within .5 m",
+         f"worst {max(misses):.2f} m", f"way / straight {np.median(ratios):.2f}"]
+    ]  # fmt: skip
+    for name, line in lines().items():
+        route = Route(line)
+        points = route.sampled()
+        medians, worst = [], []
+        for seed in range(PERFORMED_ROUTES):
+            way = _root(kx.perform(motions, route=line, fps=FPS, seed=seed))
+            off = np.abs((way[:, 1] + 1j * way[:, 0])[:, None] - points).min(axis=1)
+            medians.append(np.median(off))
+            worst.append(off.max())
+        rows.append([name, f"median deviation {np.median(medians):.2f} m", f"worst seed's {max(medians):.2f} m",
+                     f"farthest, median {np.median(worst):.2f} m, worst {max(worst):.2f} m"])  # fmt: skip
+    return Table("As performed, feet planted", ["wish", "", "", ""], rows)
+
+
+def _root(motion: kx.Motion) -> NDArray[np.float64]:
+    """Where it is over the floor: x, z in metres, shape (frames, 2)."""
+    return motion.root_positions[:, [0, 2]]
+
+
 def decisions(motions: Sequence[kx.Motion]) -> Table:
-    walks = network(repertoire(motions, fps=FPS))
+    walks = afoot(network(repertoire(motions, fps=FPS)))
     began = time.perf_counter()
     ready = prospects(walks)
     built = time.perf_counter() - began
@@ -344,7 +384,15 @@ def run() -> list[Table]:
     if data_folder() is None:
         return []
     motions = read(WALKS)
-    return [targets(motions), inside_turns(), *chirality(motions), routes(motions), decisions(motions), *ready()]
+    return [
+        targets(motions),
+        inside_turns(),
+        *chirality(motions),
+        routes(motions),
+        performed(motions),
+        decisions(motions),
+        *ready(),
+    ]
 
 
 if __name__ == "__main__":
@@ -352,6 +400,7 @@ if __name__ == "__main__":
         run,
         parts={
             "decisions": lambda: [decisions(read(WALKS))] if data_folder() else [],
+            "performed": lambda: [performed(read(WALKS))] if data_folder() else [],
             "chirality": lambda: chirality(read(WALKS)) if data_folder() else [],
             "ready": ready,
         },
