@@ -13,11 +13,11 @@ from kinesics.body.mirroring import mirror
 from kinesics.body.motion import Motion
 from kinesics.errors import InputError
 from kinesics.geometry import quaternion
-from kinesics.similarity import check_weights, chord
+from kinesics.similarity import chord
 from kinesics.similarity.metric import paired_distance
-from kinesics.synthesis.limits import BLEND, CHANGE_QUANTILE, FOOT_VELOCITY, WINDOW, find_limits
+from kinesics.synthesis.limits import WINDOW
 from kinesics.synthesis.repertoire import repertoire
-from kinesics.synthesis.seams import BAND, Seams
+from kinesics.synthesis.seams import BAND
 from kinesics.synthesis.transitions import SPACING, Transitions, transitions
 from naive import transitions as naive
 
@@ -259,19 +259,6 @@ def test_the_threshold_is_what_the_movement_covers_in_a_blend() -> None:
     found = transitions(rep)
     assert chord(found.threshold) == pytest.approx(covered, rel=0.02)
     assert "0.25 s" in found.limits.rule
-
-
-@pytest.mark.parametrize("fps", [8.0, 24.0, 25.0, 30.0, 120.0])
-def test_velocities_are_limited_over_the_time_that_they_are_compared_over(fps: float) -> None:
-    """What feet change by within a blend is measured on the very velocities that are compared across seams, at any rate."""
-    rep, weights = repertoire(wandering(12.0, fps=fps)), check_weights(None)
-    limits = find_limits(rep, None, weights)
-    seams = Seams(rep, limits, weights, 0.1)
-    velocity = seams.foot_velocity[0, seams.inside]
-    lag = max(1, round(BLEND * fps))
-    change = np.linalg.norm(velocity[lag:] - velocity[:-lag], axis=-1)
-    assert limits.foot_velocity == pytest.approx(FOOT_VELOCITY * np.quantile(change, CHANGE_QUANTILE), rel=1e-3)
-    assert limits.foot_velocity > 0.2
 
 
 def test_threshold_given_is_kept() -> None:

@@ -91,7 +91,7 @@ def half_window(fps: float) -> int:
 
 
 def span(fps: float) -> int:
-    """Frames from the first to the last of `WINDOW`, over which velocities are taken: one fewer than it has."""
+    """Frames from the first to the last about a seam, over which its velocities are taken: one fewer than are compared."""
     return 2 * half_window(fps) - 1
 
 
@@ -139,8 +139,8 @@ def find_limits(repertoire: Repertoire, threshold: float | None, weights: Array)
     early = early[moving] if moving.any() else early
     roots = repertoire.roots_of(index)
     yaw = np.unwrap(repertoire.yaw_of(index))
-    # velocities over a window, as they are compared
-    wide = span(repertoire.fps)
+    # velocities over a window; those of seams, which lie between its frames, are over one frame less (`span`)
+    wide = max(1, round(WINDOW * repertoire.fps))
     ends = repertoire.starts[recording + 1] - 1
     ahead = np.minimum(index + wide, ends)
     seconds = np.maximum(ahead - index, 1) / repertoire.fps
