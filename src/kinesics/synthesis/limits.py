@@ -71,6 +71,9 @@ class Limits:
     """How ``distance`` was found."""
     found: float
     """What it is if it is not given, infinite where nothing moves."""
+    most: float
+    """To what it may be raised where recordings do not hang together else (`kinesics.synthesis.widening`): what nine tenths of
+    the moments that move cover within a blend."""
     pose_velocity: float
     """Of the pose where it is slow, √(2D)/s."""
     velocity: float
@@ -134,6 +137,7 @@ def find_limits(repertoire: Repertoire, threshold: float | None, weights: Array)
             why = "as much as a body at rest sways"
         rule = f"√(2D) of {chord(allowed):.3f}: {why}"
     found = allowed
+    most = max(found, 0.5 * float(np.quantile(covered[moving], CHANGE_QUANTILE)) ** 2) if moving.any() else found
     if threshold is not None:
         allowed, rule = float(threshold), "given"
     early = early[moving] if moving.any() else early
@@ -165,6 +169,7 @@ def find_limits(repertoire: Repertoire, threshold: float | None, weights: Array)
         distance=allowed,
         rule=rule,
         found=found,
+        most=most,
         pose_velocity=max(SLOW * bends, 0.5 * EPSILON / BLEND),
         velocity=change(travel, whole, _LEAST_VELOCITY),
         turn=change(turning, whole, _LEAST_TURN),

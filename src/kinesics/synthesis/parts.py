@@ -73,6 +73,15 @@ def places(first: Indices, moments: Indices) -> Indices:
     return np.where(first[at] == moments, at, -1)
 
 
+def frames_between(repertoire: Repertoire, first: Indices, last: Indices) -> Mask:
+    """Which frames of the recordings paths play, in whatever strand, from their first and last moments: shape (frames,)."""
+    ends = np.sort(repertoire.frame_of(np.stack([first, last])), axis=0)
+    steps = np.zeros(repertoire.frame_count + 1, dtype=np.intp)
+    np.add.at(steps, ends[0], 1)
+    np.add.at(steps, ends[1] + 1, -1)
+    return np.asarray(np.cumsum(steps)[:-1] > 0)
+
+
 def largest_part(draft: Draft, among: Mask | None = None, holding: Mask | None = None) -> Mask:
     """The strongly connected part that plays longest and has a way round; none if no part has one.
 

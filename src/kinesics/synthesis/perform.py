@@ -103,7 +103,8 @@ def performance(
         a jump played backwards looks like none.
     skeleton, fps : of the result; those of the first recording unless given. For the skeleton a recording on it will do, and
         what its rest pose alone does not tell is seen there.
-    threshold : largest mean D of a transition; found from the recordings unless given.
+    threshold : largest mean D of a transition; found from the recordings unless given, larger than usual where most of them
+        would be left out.
     mapping : joint names by the user, where a skeleton is not understood (see `kinesics.body.anatomy.resolve`).
     edits : names, merges and splits of states, paths and phrases (see `kinesics.grammar.edits`), by which they may be asked for.
     progress : called with a fraction now and then; may raise to stop.

@@ -11,25 +11,19 @@ from numpy.typing import NDArray
 from kinesics.errors import InputError
 from kinesics.progress import Progress, silent
 from kinesics.similarity import check_weights
-from kinesics.synthesis import faults
 from kinesics.synthesis.limits import find_limits
 from kinesics.synthesis.network import Network, network
-from kinesics.synthesis.parts import draft, largest_part
-from kinesics.synthesis.seams import Pairs, Seams, ways
+from kinesics.synthesis.seams import Pairs, Seams
 from kinesics.synthesis.search import search
 from kinesics.synthesis.sharing import refined
 from kinesics.synthesis.transitions import SPACING
+from kinesics.synthesis.widening import LEAST, NEARLY, RAISED, TRIES, WORTH, held_together, least_threshold, rounded_up
 
 Array = NDArray[np.float64]
 
 FARTHEST: Final = 8.0
-"""Times the threshold of the network that is looked up to; in √(2D), which is a length, that is less than three times."""
-WORTH: Final = 0.9
-"""Share of all that could be joined up to there which a threshold is to join."""
-LEAST: Final = 0.05
-"""Share of the recordings below which more is not worth telling."""
-_TRIES: Final = 5
-_RAISED: Final = 1.25
+"""Times the threshold that is looked up to, that of the network or the usual one, if that is less; in √(2D), which is a length,
+that is less than three times."""
 
 
 class Reach(NamedTuple):
@@ -56,27 +50,22 @@ def farther(short: Network, progress: Progress = silent) -> Reach | None:
     """
     repertoire = short.repertoire
     weights = check_weights(None)
-    limits = find_limits(repertoire, FARTHEST * short.threshold, weights)
-    seams = Seams(repertoire, limits, weights, SPACING)
+    usual = find_limits(repertoire, short.threshold, weights).found
+    farthest = FARTHEST * min(short.threshold, usual)
+    if farthest <= short.threshold:
+        return None
+    seams = Seams(repertoire, find_limits(repertoire, farthest, weights), weights, SPACING)
     pairs = refined(seams, search(seams, lambda share, said="": progress(0.6 * share, said)).pairs)
-    steps = np.unique(pairs.distance[pairs.distance > short.threshold])
     total = repertoire.frame_count * len(repertoire.strands) / repertoire.fps
-    if not len(steps):
+    if not (pairs.distance > short.threshold).any():
         return None
     most = _seconds(seams, pairs)
     if most - short.seconds < LEAST * total:
         return None
     goal = short.seconds + WORTH * (most - short.seconds)
-    low, high = 0, len(steps) - 1
-    while low < high:
-        middle = (low + high) // 2
-        if _seconds(seams, pairs.take(pairs.distance <= steps[middle])) >= goal:
-            high = middle
-        else:
-            low = middle + 1
-    threshold = _rounded_up(float(steps[low]))
+    threshold = least_threshold(pairs, short.threshold, lambda some: _seconds(seams, some) >= goal)
     best: Reach | None = None
-    for number in range(_TRIES):
+    for number in range(TRIES):
         progress(0.6 + 0.08 * number, "trying a larger threshold")
         try:
             with warnings.catch_warnings():
@@ -86,23 +75,13 @@ def farther(short: Network, progress: Progress = silent) -> Reach | None:
             made = short
         if made.seconds - short.seconds >= LEAST * total and (best is None or made.seconds > best.seconds):
             best = Reach(threshold, made)
-        if made.seconds >= 0.95 * goal:
+        if made.seconds >= NEARLY * goal:
             break
-        threshold = _rounded_up(_RAISED * threshold)
+        threshold = rounded_up(RAISED * threshold)
     return best
 
 
 def _seconds(seams: Seams, pairs: Pairs) -> float:
     """Of the largest part that holds together."""
-    leads = ways(seams.repertoire, pairs)
-    edges = faults.edges(seams.repertoire.faults, seams.repertoire.starts)
-    paths = draft(seams.repertoire, leads.source, leads.target, edges)
-    leaping = faults.touching(seams.repertoire, paths.first, paths.last, faults.left_out(seams.repertoire, paths))
-    paths = faults.without(paths, leaping)
-    return float(paths.length[largest_part(paths)].sum() / seams.fps)
-
-
-def _rounded_up(value: float) -> float:
-    """To two digits, upwards."""
-    unit = 10.0 ** (np.floor(np.log10(value)) - 1.0)
-    return float(f"{np.ceil(value / unit - 1e-9) * unit:.2g}")
+    paths, kept = held_together(seams, pairs)
+    return float(paths.length[kept].sum() / seams.fps)

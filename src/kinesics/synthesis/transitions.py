@@ -43,12 +43,13 @@ from numpy.typing import NDArray
 from kinesics.errors import InputError
 from kinesics.progress import Progress, silent
 from kinesics.similarity import Weights, check_weights
-from kinesics.synthesis.choice import best, best_of_steps, joining, lowest
+from kinesics.synthesis.choice import best, joining, lowest
 from kinesics.synthesis.limits import Limits, find_limits
 from kinesics.synthesis.repertoire import Repertoire
 from kinesics.synthesis.seams import Pairs, Seams, ways
-from kinesics.synthesis.search import Found, Nearest, search
-from kinesics.synthesis.sharing import Shared, refined
+from kinesics.synthesis.search import Nearest
+from kinesics.synthesis.sharing import Shared
+from kinesics.synthesis.widening import Pool, pool_of, widened
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -107,7 +108,8 @@ def transitions(
 
     Parameters
     ----------
-    threshold : largest mean D accepted; found in the recordings if not given (`Limits.rule`).
+    threshold : largest mean D accepted. If not given it is found in the recordings (`Limits.rule`), a larger one than usual where
+        that leaves most of them out (`kinesics.synthesis.widening`).
     density : transitions that leave each second of a strand, on average and at most; the best are kept, of every second and
         towards every recording. Each second names one at least, which is used from both its sides: less than 2 leaves
         hardly fewer than 2, and beyond that only twos count. Whatever it takes that nothing is lost comes on top.
@@ -129,12 +131,16 @@ def transitions(
             raise InputError(f"Expected `{name}` above 0, got {value}.")
     share = check_weights(weights)
     limits = find_limits(repertoire, threshold, share)
-    seams = Seams(repertoire, limits, share, spacing)
-    found = search(seams, progress)
-    # refined, some pairs lie in the same two steps as others
-    pairs = _chosen(seams, best_of_steps(seams, refined(seams, found.pairs)), density)
+    pool = pool_of(repertoire, limits, share, spacing, progress)
+
+    def chosen(pool: Pool) -> Pool:
+        return pool._replace(pairs=_chosen(pool.seams, pool.pairs, density))
+
+    used = chosen(pool)
+    if threshold is None:
+        used = widened(used, spacing, chosen, lambda done, said="": progress(0.9 + 0.1 * done, said))
     progress(1.0, "finding transitions")
-    return _transitions(seams, pairs, found)
+    return _transitions(used)
 
 
 def _chosen(seams: Seams, pool: Pairs, density: float) -> Pairs:
@@ -164,20 +170,21 @@ def _either(low: Mask, among_low: Mask, among_others: Mask) -> Mask:
     return out
 
 
-def _transitions(seams: Seams, pairs: Pairs, found: Found) -> Transitions:
+def _transitions(pool: Pool) -> Transitions:
     """Every strand's transitions, in both directions."""
-    leads = ways(seams.repertoire, pairs)
+    stock, pairs = pool.seams.repertoire, pool.pairs
+    leads = ways(stock, pairs)
     cost = pairs.cost[leads.pair]
     order = np.lexsort((leads.target, cost, leads.source))
     out = Transitions(
-        seams.repertoire,
+        stock,
         leads.source[order],
         leads.target[order],
         pairs.distance[leads.pair][order],
         cost[order],
-        seams.limits,
-        found.nearest,
-        found.refused,
+        pool.limits,
+        pool.found.nearest,
+        pool.found.refused,
     )
     for values in (out.source, out.target, out.distance, out.cost):
         values.setflags(write=False)

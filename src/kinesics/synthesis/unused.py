@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from kinesics.progress import Progress, silent
 from kinesics.synthesis.network import Network
+from kinesics.synthesis.parts import frames_between
 from kinesics.synthesis.reach import farther
 
 TRIED: Final = 240.0
@@ -73,9 +74,4 @@ def larger_threshold(network: Network, progress: Progress = silent) -> Larger | 
 
 def frames_of(network: Network) -> NDArray[np.bool_]:
     """Which frames of the recordings a network plays in whatever strand, shape (frames,)."""
-    stock = network.repertoire
-    ends = np.sort(stock.frame_of(np.stack([network.first, network.last])), axis=0)
-    steps = np.zeros(stock.frame_count + 1, dtype=np.intp)
-    np.add.at(steps, ends[0], 1)
-    np.add.at(steps, ends[1] + 1, -1)
-    return np.asarray(np.cumsum(steps)[:-1] > 0)
+    return frames_between(network.repertoire, network.first, network.last)
