@@ -79,6 +79,25 @@ def test_feet_that_slide_are_told_with_when_and_what_helps(piece: Piece) -> None
     assert "--seed" not in doubt
 
 
+def test_feet_that_stand_through_transitions_are_asked_where_they_slide(piece: Piece) -> None:
+    """In a contact that lasts all the time another seed helps only where the sliding is beside a transition."""
+    motion, cuts = piece.motion, piece.performance.cuts
+    count = motion.frame_count
+    far = next(f for f in range(count - 6) if abs(cuts - f - 3).min() > 20)
+    for frame, seed in ((int(cuts[0]), True), (far, False)):
+        roots = np.repeat(motion.root_positions[:1], count, axis=0)
+        roots[frame:, 2] += 0.05
+        still = motion.replace(rotations=np.repeat(motion.rotations[:1], count, axis=0), root_positions=roots)
+        stands = dataclasses.replace(piece, performance=dataclasses.replace(piece.performance, motion=still))
+        (doubt,) = [
+            line
+            for line in told(stands, slides=1, slide=0.05, slid=(Slid("left", 0, count, 0.05),))
+            if line.startswith("feet slide")
+        ]
+        assert ("--seed" in doubt) == seed
+        assert ("no transition is near" in doubt) != seed
+
+
 def test_a_failed_check_is_among_the_warnings_and_made_once(walk: kx.Motion, monkeypatch: pytest.MonkeyPatch) -> None:
     """In the motion, in the provenance; whatever is asked of the piece afterwards, and however many ways were tried."""
     made = []

@@ -146,6 +146,10 @@ def test_what_is_pruned_is_said(made: Network) -> None:
     assert "leads there" in first.why or rep.backwards
     assert str(recorded[0]).startswith("rounds, as recorded")
     for lost in made.pruned:
+        shown = [why for why in {part.why for part in lost.stretches} if why in lost.why]
+        assert shown
+        assert all(lost.why.count(f"{why}: ") == 1 for why in shown)
+    for lost in made.pruned:
         assert sum(part.end - part.start for part in lost.stretches) == pytest.approx(lost.seconds)
         assert all(before.end <= after.start for before, after in itertools.pairwise(lost.stretches))
 

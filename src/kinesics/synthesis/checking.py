@@ -179,13 +179,18 @@ def slide(points: Array, height: Array) -> float:
     """
     if len(points) < 2:
         return 0.0
-    middle = 0.5 * (height[1:] + height[:-1])
-    share = np.exp(-(middle - middle.min(axis=1, keepdims=True)) / BEARING)
-    share /= share.sum(axis=1, keepdims=True)
-    steps = np.einsum("fp,fpi->fi", share, np.diff(points[..., [0, 2]], axis=0))
+    steps = steps_of(points, height)
     way = np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
     blocks = (way[a : a + _BLOCK, None] - way[None] for a in range(0, len(way), _BLOCK))
     return float(max(np.einsum("abi,abi->ab", apart, apart).max() for apart in blocks) ** 0.5)
+
+
+def steps_of(points: Array, height: Array) -> Array:
+    """How far the bearing part of a sole goes from frame to frame, x and z in metres, shape (frames − 1, 2); see `slide`."""
+    middle = 0.5 * (height[1:] + height[:-1])
+    share = np.exp(-(middle - middle.min(axis=1, keepdims=True)) / BEARING)
+    share /= share.sum(axis=1, keepdims=True)
+    return np.asarray(np.einsum("fp,fpi->fi", share, np.diff(points[..., [0, 2]], axis=0)))
 
 
 def _leaps(done: Performance, ankles: Array, stage: Stage) -> tuple[Leap, ...]:

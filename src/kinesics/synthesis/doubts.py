@@ -6,18 +6,18 @@ import math
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kinesics.body import kinematics
 from kinesics.errors import some_of
 from kinesics.progress import Progress, silent
 from kinesics.synthesis import rounds, staying, unused
 from kinesics.synthesis.attempts import MOST_BEND, Shorter
-from kinesics.synthesis.checking import ROUNDING, SLIDE, SUNK, Slid
+from kinesics.synthesis.checking import ROUNDING, SLIDE, SUNK, Slid, steps_of
 from kinesics.synthesis.goals.states import way_between
 from kinesics.synthesis.piece import SWAY, Piece, way_of
 from kinesics.synthesis.prospects import Prospects
 from kinesics.synthesis.repertoire import THROWN
-from kinesics.synthesis.stage import FLESH
+from kinesics.synthesis.stage import FLESH, Stage
 from kinesics.synthesis.wish import HARDLY, MOST_SECONDS, SPARE, Wish
 
 MOSTLY: Final = 0.5
@@ -39,7 +39,9 @@ SHORT: Final = 0.25
 SEEN: Final = 1.0
 """Seconds of a performance from which the two states are seen, at least, however short the way."""
 NEAR_CUT: Final = 0.3
-"""Seconds from a contact to a transition, up to which that may have moved the foot."""
+"""Seconds from a transition, up to which that may have moved a foot: a blend, and what it takes to settle."""
+BY_CUTS: Final = 0.5
+"""Share of the way that a foot slides in a contact that lies so near transitions, from which they are what moves it."""
 
 
 def doubts(
@@ -300,9 +302,8 @@ def _slid(piece: Piece) -> list[str]:
     found, fps = piece.check, piece.motion.fps
     if not found.slid:
         return []
-    cuts = piece.performance.cuts
     worst = max(found.slid, key=lambda slid: slid.slide)
-    alone = [slid for slid in found.slid if not _near_cut(slid, cuts, NEAR_CUT * fps)]
+    alone = [slid for slid in found.slid if _by_cuts(piece, slid) < BY_CUTS]
     out = (
         f"feet slide more than {100 * SLIDE:g} cm in {found.slides} of {found.contacts} contacts, the {worst.foot} one by "
         f"{100 * worst.slide:.1f} cm from {worst.start / fps:.1f} to {worst.end / fps:.1f} s"
@@ -313,8 +314,13 @@ def _slid(piece: Piece) -> list[str]:
             "another seed (--seed) takes other transitions, longer recordings or more that are like them give better ones"
         )
     if alone:
-        which = "there" if len(alone) == found.slides else f"in {len(alone)} of these"
-        advice.append(f"{which} no transition is near: it lies in the recordings, and only others help")
+        which = "" if len(alone) == found.slides else f"in {len(alone)} of these "
+        lies = "it lies in the recordings, and only others help"
+        if len(piece.sources) > 1:
+            lies = (
+                "it lies in the recordings, or in feet that are unlike in them, and others help, or one of them alone"
+            )
+        advice.append(f"{which}no transition is near where they slide: {lies}")
     return [f"{out}; {'; '.join(advice)}"]
 
 
@@ -331,8 +337,17 @@ def _jolted(piece: Piece) -> str:
     )
 
 
-def _near_cut(slid: Slid, cuts: NDArray[np.intp], near: float) -> bool:
-    return bool(np.any((cuts >= slid.start - near) & (cuts < slid.end + near)))
+def _by_cuts(piece: Piece, slid: Slid) -> float:
+    """Share of the way that a foot slides that lies near transitions: a contact may last through many of them."""
+    motion, done = piece.motion, piece.performance
+    part = slice(slid.start, slid.end)
+    side = ("left", "right").index(slid.foot)
+    known = kinematics.forward(motion.skeleton, motion.rotations[part], motion.root_positions[part])
+    points = done.soles.place(known.positions, known.rotations)[:, side]
+    gone = np.linalg.norm(steps_of(points, points[..., 1] - Stage.of(piece.network.repertoire).levels[side]), axis=1)
+    between = np.arange(slid.start, slid.end - 1) + 0.5
+    near = (np.abs(between[:, None] - done.cuts) <= NEAR_CUT * motion.fps).any(axis=1)
+    return float(gone[near].sum() / max(gone.sum(), 1e-9))
 
 
 def _beyond(piece: Piece) -> str:

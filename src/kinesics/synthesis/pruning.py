@@ -38,8 +38,8 @@ class Stretch(NamedTuple):
     """Whether nothing leads there, nothing leads back, or neither."""
 
     def __str__(self) -> str:
-        """From when to when, and why."""
-        return f"{self.start:.2f}–{self.end:.2f} s: {self.why}"
+        """From when to when."""
+        return f"{self.start:.2f}–{self.end:.2f} s"
 
 
 class Pruned(NamedTuple):
@@ -97,18 +97,24 @@ def pruned_of(repertoire: Repertoire, cut: Draft, kept: Mask, faulty: Mask) -> t
                 Stretch(a / fps, b / fps, _WHY[int(own[a])]) for a, b in itertools.pairwise(edges) if own[a]
             )
             whole = bool(own.all())
-            longest = sorted(stretches, key=lambda part: part.start - part.end)
-            shown = sorted(longest[:_STRETCHES_AT_MOST])
-            told = ", ".join(str(part) for part in shown)
-            if more := stretches[_STRETCHES_AT_MOST:]:
-                rest = sum(part.end - part.start for part in longest[_STRETCHES_AT_MOST:])
-                told += f", and {len(more)} shorter parts of {rest:.2f} s in all"
-            if whole and len({part.why for part in stretches}) == 1:
-                told = stretches[0].why
+            alike = len({part.why for part in stretches}) == 1
+            told = stretches[0].why if whole and alike else _told(stretches)
             seconds = float(np.count_nonzero(own)) / fps
             how = " and ".join(STRANDS[s] for s in strands)
             out.append(Pruned(name, how, seconds, told, whole, everything, stretches))
     return tuple(out)
+
+
+def _told(stretches: Sequence[Stretch]) -> str:
+    """Every reason once, and for it from when to when; of many stretches the longest."""
+    longest = sorted(stretches, key=lambda part: part.start - part.end)
+    shown, rest = sorted(longest[:_STRETCHES_AT_MOST]), longest[_STRETCHES_AT_MOST:]
+    reasons = dict.fromkeys(part.why for part in shown)
+    told = "; ".join(f"{why}: {', '.join(str(part) for part in shown if part.why == why)}" for why in reasons)
+    if rest:
+        shorter = "a shorter part" if len(rest) == 1 else f"{len(rest)} shorter parts"
+        told += f"; and {shorter} of {sum(part.end - part.start for part in rest):.2f} s{' in all' if len(rest) > 1 else ''}"
+    return told
 
 
 def unperformed(pruned: Iterable[Pruned]) -> tuple[str, ...]:
