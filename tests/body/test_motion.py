@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from numpy.testing import assert_allclose, assert_array_equal
 
+import kinesics as kx
 from kinesics.body.motion import Motion, reverse
 from kinesics.body.skeleton import Skeleton
 from kinesics.errors import InputError
@@ -242,3 +243,34 @@ def test_a_motion_does_not_change() -> None:
             assert values is not None
             with pytest.raises(ValueError, match="read-only"):
                 values[0] = 0.0
+
+
+@pytest.mark.parametrize("new", [60.0, 90.0, 120.0])
+def test_between_frames_nothing_jerks(new: float) -> None:
+    """A walk kept at 30 frames a second and brought back is where it was to 5 mm, and is accelerated as evenly: it does not
+    go in straight lines from frame to frame.
+    """
+    walk = kx.performer.walk(seconds=3, fps=120, noise_degrees=0.5, noise_kind="smooth", seed=3).motion
+    again = walk.resample(30.0).resample(new)
+    same = walk.resample(new)[: again.frame_count]
+    assert np.abs(again.positions() - same.positions()).max() < 0.005
+
+    def pushed(motion: kx.Motion) -> np.ndarray:
+        wrist = motion.skeleton.joint_names.index("LeftHand")
+        return np.linalg.norm(np.diff(motion.positions()[:, wrist], 2, axis=0), axis=-1) * new**2
+
+    phase = np.arange(1, again.frame_count - 1) * 30.0 / new % 1.0
+    at_frames, between = pushed(again)[phase < 1e-9], pushed(again)[phase > 1e-9]
+    assert at_frames.mean() < 1.25 * between.mean()
+    assert pushed(again).max() < 1.2 * pushed(same).max()
+
+
+def test_who_turns_by_half_a_turn_from_frame_to_frame_goes_along_great_circles() -> None:
+    """Components of quaternions tell nothing between such frames."""
+    motion = build(frames=6, fps=5.0)
+    turns = quaternion.from_rotvec(np.outer(np.arange(6), [0.0, 2.5, 0.0]))
+    rotations = motion.rotations.copy()
+    rotations[:, 0] = turns
+    up = motion.replace(rotations=rotations).resample(20.0)
+    steps = quaternion.angle(up.rotations[1:, 0], up.rotations[:-1, 0])
+    assert_allclose(steps, 2.5 / 4.0, atol=1e-9)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 import operator
 from dataclasses import dataclass, field
-from typing import Any, SupportsIndex, overload
+from typing import Any, Final, SupportsIndex, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,9 @@ from kinesics.errors import InputError
 from kinesics.geometry import quaternion
 
 Array = NDArray[np.float64]
+
+_QUICK: Final = np.deg2rad(60.0)
+"""Radians from one frame to the next: components of quaternions farther apart bulge between them."""
 
 
 @dataclass(frozen=True)
@@ -170,10 +173,11 @@ class Motion:
         )
 
     def resample(self, fps: float) -> Motion:
-        """The same movement at another frame rate: joints by spherical interpolation, positions linearly.
+        """The same movement at another frame rate, by cubic splines: nothing jerks from frame to frame that did not before.
 
-        New frame k lies at time k / fps; the last one is the last that the recording reaches. Nothing is smoothed, so a
-        lower rate keeps frames that fall on the same times to the last bit.
+        Of quaternions all components are interpolated and made a rotation again; a joint that turns by more than `_QUICK` from
+        one frame to the next goes along great circles instead. New frame k lies at time k / fps; the last one is the last that
+        the recording reaches. Nothing is smoothed, so a lower rate keeps frames that fall on the same times to the last bit.
 
         Raises
         ------
@@ -197,19 +201,29 @@ class Motion:
         t[t < 1e-9] = 0.0
         between = t > 0.0
 
-        def linear(values: Array) -> Array:
-            shaped = t.reshape(-1, *(1,) * (values.ndim - 1))
-            return np.asarray(values[left] * (1.0 - shaped) + values[right] * shaped)
+        def spline(values: Array) -> Array:
+            from scipy.interpolate import CubicSpline
+
+            out = np.asarray(values[left], dtype=np.float64)
+            out[between] = CubicSpline(np.arange(self.frame_count), values, axis=0)(times[between])
+            return out
 
         rotations = self.rotations[left]
         if between.any():
-            rotations[between] = quaternion.slerp(
-                self.rotations[left[between]], self.rotations[right[between]], t[between, None]
+            signed = quaternion.continuous(self.rotations)
+            quick = (quaternion.angle(self.rotations[1:], self.rotations[:-1]) > _QUICK).any(axis=0)
+            if not quick.all():
+                smooth = spline(signed[:, ~quick])[between]
+                rotations[np.ix_(between, ~quick)] = quaternion.normalize(smooth)
+            rotations[np.ix_(between, quick)] = quaternion.slerp(
+                self.rotations[np.ix_(left[between], quick)],
+                self.rotations[np.ix_(right[between], quick)],
+                t[between, None],
             )
         return self.replace(
             rotations=rotations,
-            root_positions=linear(self.root_positions),
-            joint_translations=None if self.joint_translations is None else linear(self.joint_translations),
+            root_positions=spline(self.root_positions),
+            joint_translations=None if self.joint_translations is None else spline(self.joint_translations),
             fps=fps,
         )
 
