@@ -13,6 +13,7 @@ from kinesics.synthesis.network import network
 from kinesics.synthesis.reach import farther
 from kinesics.synthesis.repertoire import repertoire
 from kinesics.synthesis.transitions import transitions
+from kinesics.synthesis.widening import WIDER
 
 
 def _three_ways(apart: float, far: float = 1.6) -> Motion:
@@ -34,7 +35,7 @@ def test_a_larger_threshold_joins_what_would_be_left_out() -> None:
     before = network(stock, threshold=limits.distance)
     assert unused.used(before).unused > 0.6
     raised = network(stock)
-    assert limits.distance < raised.threshold <= limits.most
+    assert limits.distance < raised.threshold <= min(limits.most, WIDER * limits.distance)
     assert unused.used(raised).unused < 0.1
     assert "by the usual" in raised.rule
     assert raised.distance.max() <= raised.threshold

@@ -2,7 +2,8 @@
 
 The usual threshold of poses is the median of what moving moments change within a blend. Of exercises, in which poses are held and
 then changed at once, it joins little. In all else moments may differ by what nine tenths of the moving moments change; where less
-than half of the recordings hangs together poses may, too: by the least that joins most of what that bound would join.
+than half of the recordings hangs together poses may, too, or by `WIDER` times as much as usual where that is less: by the least
+that joins most of what this bound would join.
 """
 
 from __future__ import annotations
@@ -34,6 +35,11 @@ WORTH: Final = 0.9
 """Share of all that could be joined up to a bound which a threshold is to join."""
 LEAST: Final = 0.05
 """Share of the recordings below which more is not worth a larger threshold."""
+WIDER: Final = 1.6
+"""Times the usual threshold that it is at most: by more, feet that stand all along were seen to slide (exercises of CMU's 13, 2.3
+times), and a gesture was joined to itself alone."""
+ENOUGH: Final = 2.0
+"""Seconds that have to hang together: less would go round and round."""
 TRIES: Final = 5
 RAISED: Final = 1.25
 """Times the threshold that is tried next, where one joins less than it was to."""
@@ -71,7 +77,8 @@ def widened(usual: Pool, spacing: float, chosen: Callable[[Pool], Pool], progres
     limits, stock = usual.limits, usual.seams.repertoire
     whole = stock.frame_count
     joins = frames_joined(usual.seams, usual.pairs)
-    if joins >= MOSTLY * whole or limits.most <= limits.distance:
+    bound = min(limits.most, WIDER * limits.distance)
+    if joins >= MOSTLY * whole or bound <= limits.distance:
         return usual
 
     def tried(distance: float, number: int) -> Pool:
@@ -83,7 +90,7 @@ def widened(usual: Pool, spacing: float, chosen: Callable[[Pool], Pool], progres
             lambda share, said="": progress((number + share) / (TRIES + 1), said),
         )
 
-    farthest = tried(limits.most, 0)
+    farthest = tried(bound, 0)
     most = frames_joined(farthest.seams, farthest.pairs)
     if most - joins < LEAST * whole or not (farthest.pairs.distance > limits.distance).any():
         return usual
@@ -92,14 +99,14 @@ def widened(usual: Pool, spacing: float, chosen: Callable[[Pool], Pool], progres
         farthest.pairs, limits.distance, lambda some: frames_joined(farthest.seams, some) >= goal
     )
     for number in range(TRIES):
-        at_last = threshold >= limits.most
+        at_last = threshold >= bound
         # on the few seams that are used less may hang together
         out = chosen(farthest if at_last else tried(threshold, number + 1))
         held = frames_joined(out.seams, out.pairs)
         if at_last or held - joins >= NEARLY * (goal - joins):
             break
         threshold = rounded_up(RAISED * threshold)
-    if held - joins < LEAST * whole:
+    if held - joins < LEAST * whole or held < ENOUGH * stock.fps:
         return usual
     rule = (
         f"√(2D) of {chord(out.limits.distance):.3f}, by which {held / whole:.0%} of the recordings hang together; by the usual "
