@@ -32,12 +32,11 @@ SUNK: Final = 0.01
 """Metres that a sole may be below the floor."""
 ROUNDING: Final = 1e-6
 """Radians that are no excess."""
-LEAP: Final = 175.0
-"""m/s²: an ankle that is accelerated by more leaps, unless the recording does so there: 18 g, by which what is thrown aside for
-`_WITHIN` is 6 mm off its way. Of fewer frames a second it is more, 2.4 cm at 60 and 10 cm at 30: what a foot does within a
-thirtieth of a second nobody tells from a stride."""
+LEAP: Final = 1.45
+"""m/s: an ankle whose velocity changes by more leaps, unless the recording's does so there: at 120 frames a second what is thrown
+aside for a frame is 6 mm off its way then, at 30 it is 2.4 cm."""
 _WITHIN: Final = 1.0 / 120.0
-"""Seconds to either side over which it is measured, or a frame where that is longer."""
+"""Seconds to either side over which velocities are measured, or a frame where that is longer."""
 BEYOND: Final = 2.5
 """Times what the recording does there: so much more is a leap."""
 _ABOUT: Final = 0.05
@@ -64,8 +63,8 @@ class Leap(NamedTuple):
     """left or right."""
     frame: int
     """Of the performance."""
-    acceleration: float
-    """m/s²."""
+    velocity: float
+    """By which its velocity changes, m/s."""
 
 
 class Check(NamedTuple):
@@ -135,9 +134,7 @@ class Check(NamedTuple):
             "distance": round(self.distance, 6),
             "accepted": self.accepted,
             "slid": [{"foot": s.foot, "start": s.start, "end": s.end, "slide_m": round(s.slide, 6)} for s in self.slid],
-            "leaps": [
-                {"foot": p.foot, "frame": p.frame, "acceleration_m_s2": round(p.acceleration, 1)} for p in self.leaps
-            ],
+            "leaps": [{"foot": p.foot, "frame": p.frame, "velocity_m_s": round(p.velocity, 3)} for p in self.leaps],
         }
 
 
@@ -213,19 +210,19 @@ def _leaps(done: Performance, ankles: Array, stage: Stage) -> tuple[Leap, ...]:
             way = known.positions[:, stage.legs.feet[k]]
             usual = _pushed(way, w, fps).max(initial=0.0)
             leap = Leap(foot, at + w, float(pushed[at, k]))
-            if leap.acceleration <= BEYOND * usual:
+            if leap.velocity <= BEYOND * usual:
                 continue
             if out and out[-1].foot == foot and leap.frame - out[-1].frame <= reach:
-                out[-1] = max(out[-1], leap, key=lambda found: found.acceleration)
+                out[-1] = max(out[-1], leap, key=lambda found: found.velocity)
             else:
                 out.append(leap)
     return tuple(sorted(out, key=lambda found: (found.frame, found.foot)))
 
 
 def _pushed(places: Array, w: int, fps: float) -> Array:
-    """Accelerations over w frames to either side, m/s²: shape (frames, ..., 3) to (frames − 2w, ...)."""
+    """Changes of velocity over w frames to either side, m/s: shape (frames, ..., 3) to (frames − 2w, ...)."""
     bent = places[2 * w :] - 2.0 * places[w:-w] + places[: -2 * w]
-    return np.asarray(np.linalg.norm(bent, axis=-1) * (fps / w) ** 2)
+    return np.asarray(np.linalg.norm(bent, axis=-1) * fps / w)
 
 
 def _times(count: int) -> str:
