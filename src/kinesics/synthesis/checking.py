@@ -1,7 +1,8 @@
 """Whether a performance stays where its recordings were (C_free, [Schultz2012] §2.9) and its feet where they are put.
 
 What `kinesics.synthesis.rendering` sees to as it makes a movement is measured here on the movement it made: nothing is taken
-from the maker but which moment each frame plays, where the nearest pose of the recordings is looked for first.
+from the maker but which moment each frame plays, where the nearest pose of the recordings is looked for first; soles, ranges and
+depths that the recordings set are those that it goes by (`kinesics.synthesis.stage`).
 """
 
 from __future__ import annotations
