@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -58,3 +60,44 @@ def test_what_is_nowhere_is_refused_as_before(apart: list[Motion]) -> None:
     brief = bowing(0.8).replace(name="brief")
     with pytest.raises(kx.InputError, match="Nothing can be performed of 'brief'"):
         kx.performance([apart[0], brief], seconds=3.0, favour="brief", mirrored=False)
+
+
+@pytest.mark.parametrize(
+    ("recording", "begin", "end"), [("135_11", "A", "B"), ("86_01", "A", "B"), ("86_01", "A", "B*")]
+)
+def test_a_way_that_nothing_leads_back_from_is_performed(
+    shared_data: Path, recording: str, begin: str, end: str
+) -> None:
+    """As the recording itself goes it, with what leads there and what follows; and that no more is performed is told."""
+    source = kx.read(shared_data / "cmu" / recording.split("_")[0] / f"{recording}.amc")
+    piece = kx.performance(source.resample(60.0), from_state=begin, to_state=end)
+    assert piece.attained
+    assert piece.outcome[0].startswith(f"{begin} to {end} in ")
+    assert begin in piece.network.state_from
+    assert end in piece.network.state_to
+    (told,) = [w for w in piece.motion.warnings if w.startswith("performed is what lies on ways")]
+    assert f"from '{begin}' to '{end}', or just before or after, {piece.network.seconds:.1f} s" in told
+    assert "linger" not in told
+
+
+def test_no_time_is_left_to_go_on_in_where_a_way_ends(shared_data: Path) -> None:
+    """Nothing is asked of what follows a way that ends; so that it ends there, and that is told."""
+    source = kx.read(shared_data / "cmu" / "135" / "135_11.amc").resample(60.0)
+    piece = kx.performance(source, from_state="A", to_state="B", seconds=30.0, linger=True)
+    assert piece.attained
+    assert piece.motion.duration < 10.0
+    assert any("it ends there (`linger`, --linger)" in w for w in piece.motion.warnings)
+
+
+def test_a_way_that_there_is_none_of_is_refused_with_those_there_are(shared_data: Path) -> None:
+    """Nobody comes back to the pose that the recording begins in: told is what is come to, and from where."""
+    source = kx.read(shared_data / "cmu" / "135" / "135_11.amc").resample(60.0)
+    with pytest.raises(kx.InputError) as refused:
+        kx.performance(source, from_state="B", to_state="A")
+    told = str(refused.value)
+    assert "No way leads from the state 'B' to the state 'A'" in told
+    assert "to 'A' from no other" in told
+    found = told.partition("from 'B' one comes to ")[2].partition(", to 'A'")[0].split(", ")
+    assert found
+    for state in found:
+        assert kx.performance(source, from_state="B", to_state=state).attained

@@ -127,3 +127,32 @@ def test_what_leads_to_a_path_and_what_follows_it() -> None:
     assert ways.following(net, 5, 0.6, 9.0) == [2]
     assert ways.following(net, 1, 0.2, 9.0) == [2]
     assert ways.following(net, 1, 0.2, 0.3) == []
+
+
+def test_what_lies_between_two_paths_is_what_leads_from_the_one_to_the_other() -> None:
+    """With what is gone within so many seconds before and after, where there is any; dead ends aside are left out."""
+    names = ["early", "before", "from", "between", "aside", "to", "after", "late"]
+    follows = {
+        "early": ["before"],
+        "before": ["from"],
+        "from": ["between", "aside"],
+        "between": ["to"],
+        "aside": [],
+        "to": ["after"],
+        "after": ["late"],
+        "late": [],
+    }
+    network = floor_network([Path(name, 10, 0.5, 0.0) for name in names], follows)
+    lasts = float(network.duration[0])
+
+    def kept(begin: int, end: int, paths: float) -> list[str]:
+        return [
+            names[k] for k in np.flatnonzero(ways.between(network, mask(network, begin), mask(network, end), paths))
+        ]
+
+    assert kept(2, 5, 0.0) == ["from", "between", "to"]
+    assert kept(2, 5, 1.5 * lasts) == ["before", "from", "between", "to", "after"]
+    assert kept(0, 7, 10.0 * lasts) == [name for name in names if name != "aside"]
+    assert kept(5, 2, 10.0 * lasts) == kept(4, 5, 10.0 * lasts) == []
+    assert ways.following(network, 6, 5.0 * lasts, 10.0 * lasts) == [7]
+    assert ways.leading_to(network, 1, 5.0 * lasts, 10.0 * lasts) == [0]

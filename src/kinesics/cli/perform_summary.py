@@ -104,6 +104,10 @@ def _left_out(piece: Piece) -> list[str]:
     total = unused.used(net)
     if total.unused <= 0.0:
         return []
+    if not net.pruned:
+        return [
+            f"not used, for it lies on no way from the one state to the other: {total.unused:.0%} of what was recorded"
+        ]
     lines = [f"not used, for no way leads there or back: {total.unused:.0%} of what was recorded"]
     if total.unused < MUCH:
         return lines

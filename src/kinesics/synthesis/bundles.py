@@ -127,7 +127,9 @@ def _lengthened(
     room = np.maximum(np.clip(MOST_ROWS // len(successors), FEWEST, MOST), successors)
     while True:
         owner = owner_of[chains.edge]
-        open_ = np.flatnonzero(chains.duration < lookahead)
+        # a chain that nothing follows is as long as it is
+        brief = (chains.duration < lookahead) & (successors[chains.last] > 0)
+        open_ = np.flatnonzero(brief)
         if not len(open_):
             return chains, sequence
         # those that stay longest in their recording first: jump after jump leads nowhere
@@ -141,8 +143,8 @@ def _lengthened(
         strata[::branches] = 0.0
         tail = steady[begin[then] + ((strata / branches) ** 2 * number[then]).astype(np.intp)]
         joined = _joined(chains, head, tail, hold)
-        done = chains.taken(np.flatnonzero(chains.duration >= lookahead))
-        source_head = np.concatenate([np.flatnonzero(chains.duration >= lookahead), head])
+        done = chains.taken(np.flatnonzero(~brief))
+        source_head = np.concatenate([np.flatnonzero(~brief), head])
         source_tail = np.concatenate([np.full(len(done.edge), -1), tail])
         everything = done.followed(joined)
         kept = _thinned(everything, owner_of, room, rng)

@@ -1,16 +1,22 @@
-"""Where what is wished for lies in another part of the recordings than the largest that holds together, that part is performed."""
+"""Where what is wished for lies in another part of the recordings than the largest that holds together, that part is performed.
+
+A way from state to state needs none that leads back: where no part holds both, what lies on ways from the one to the other is.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import itertools
+from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.errors import InputError
-from kinesics.synthesis import faults
+from kinesics.synthesis import faults, ways
 from kinesics.synthesis.goals.naming import paths_of, states_of
+from kinesics.synthesis.goals.states import LONGEST
+from kinesics.synthesis.network import part_of
 from kinesics.synthesis.parts import draft, round_about
 from kinesics.synthesis.repertoire import LEAST_SECONDS, Repertoire
 from kinesics.synthesis.transitions import Transitions
@@ -48,10 +54,67 @@ def serving(net: Network, wish: Wish, found: Transitions, made: Callable[[Mask],
     return best
 
 
-def told(net: Network, largest: Network, wish: Wish) -> tuple[str, ...]:
-    """That not the largest part is performed, and what for."""
+def way_there(net: Network, wish: Wish, whole: Callable[[], Network]) -> Network:
+    """The network itself, or, where it does not hold both states wished for, all ways from the one to the other, with what is
+    gone just before and after: nothing need lead back.
+
+    Parameters
+    ----------
+    whole : all paths there are, with the grammar's words.
+
+    Raises
+    ------
+    InputError
+        If no way leads from the one state to the other.
+    """
+    begin, end = wish.from_state, wish.to_state
+    if begin is None or end is None or (begin in net.state_from and end in net.state_to):
+        return net
+    every = whole()
+    begins, ends = np.asarray(every.state_from) == begin, np.asarray(every.state_to) == end
+    kept = ways.between(every, begins, ends, LONGEST)
+    if not kept.any():
+        raise InputError(_no_way(every, begin, end, begins, ends))
+    return part_of(every, kept)
+
+
+def _no_way(every: Network, begin: str, end: str, begins: Mask, ends: Mask) -> str:
+    """That there is none, and which there are."""
+    onward, hither = ways.led_to(every, begins), ways.leading_there(every, ends)
+    leads = f"from {begin!r} one comes to {_listed(itertools.compress(every.state_to, onward), begin)}"
+    comes = f"to {end!r} from {_listed(itertools.compress(every.state_from, hither), end)}"
+    return (
+        f"No way leads from the state {begin!r} to the state {end!r}: neither the recordings go there nor any transition; {leads}, "
+        f"{comes}. Ask for one of these, give recordings in which it is gone, or a larger `threshold` (--threshold) than "
+        f"{every.threshold:.3g}."
+    )
+
+
+def _listed(states: Iterable[str], but: str) -> str:
+    return ", ".join(sorted(set(states) - {"", but})) or "no other"
+
+
+def told(
+    net: Network, largest: Network, wish: Wish, *, only_ways: bool = False, linger: bool = False
+) -> tuple[str, ...]:
+    """That not the largest part is performed, and what for.
+
+    Parameters
+    ----------
+    only_ways : whether it is the ways from one state to another alone (`way_there`).
+    linger : whether one was to go on from there.
+    """
     if net is largest:
         return ()
+    if only_ways:
+        return (
+            f"performed is what lies on ways from {wish.from_state!r} to {wish.to_state!r}, or just before or after, "
+            f"{net.seconds:.1f} s: not all of it belongs to the largest part of the recordings that holds together, "
+            f"{largest.seconds:.1f} s, so that nothing need lead back"
+            + (
+                "; it ends there (`linger`, --linger), for not everything goes on" if linger and not net.endless else ""
+            ),
+        )
     names = dict.fromkeys(n for n in (wish.favour, wish.from_state, wish.to_state) if n is not None)
     wanted = " and ".join(repr(name) for name in names)
     return (

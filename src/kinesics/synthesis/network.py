@@ -3,7 +3,8 @@
 The recordings, in every strand that may be used, are cut at the seams of their transitions (`kinesics.synthesis.transitions`).
 A *path* is what lies between two cuts. After it comes the path that the recording goes on with, at no cost, or one that a
 transition leads to. What cannot be reached again from where it leads is a dead end: only the largest strongly connected part
-is kept, and what was left out is said. If mirror images belong to it, the whole is its own mirror image.
+is kept, and what was left out is said. If mirror images belong to it, the whole is its own mirror image. For ways that may end there
+is the network of `everything`.
 
 References
 ----------
@@ -13,11 +14,12 @@ References
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,7 +33,7 @@ from kinesics.synthesis.measures import from_heading
 from kinesics.synthesis.meeting import Meeting, meetings
 from kinesics.synthesis.parts import Draft, draft, largest_part, places
 from kinesics.synthesis.pruning import Pruned, listed, pruned_of, unperformed, why_none
-from kinesics.synthesis.repertoire import LEAST_SECONDS, Repertoire
+from kinesics.synthesis.repertoire import BACKWARD_STRANDS, LEAST_SECONDS, Repertoire
 from kinesics.synthesis.transitions import DENSITY, SPACING, Transitions
 
 Array = NDArray[np.float64]
@@ -157,6 +159,11 @@ class Network:
         """Of all paths together."""
         return float(self.duration.sum())
 
+    @property
+    def endless(self) -> bool:
+        """Whether something may follow every path."""
+        return bool((np.diff(self.indptr) > 0).all())
+
     def path_at(self, moment: int) -> int:
         """The path that plays a moment, −1 if none does."""
         frame, strand = int(self.repertoire.frame_of(moment)), int(self.repertoire.strand_of(moment))
@@ -244,6 +251,50 @@ def network(
         found = _some(found, used)
         cut = _sound(repertoire, draft(repertoire, found.source, found.target, besides), faulty)
     return _finished(repertoire, found, cut, kept, pruned)
+
+
+def everything(found: Transitions, seams: Indices | Sequence[int] = ()) -> Network:
+    """All paths of the recordings and the transitions between them, dead ends included: for ways that may end.
+
+    Of every recording the last frame is missing, and of one played backwards the first: nothing tells how either goes on.
+
+    Parameters
+    ----------
+    found : the transitions.
+    seams : as of `network`.
+    """
+    stock = found.repertoire
+    besides = [
+        np.asarray(seams, dtype=np.intp).reshape(-1),
+        faults.edges(stock.faults, stock.starts),
+        stock.starts[1:] - 1,
+    ]
+    if any(BACKWARD_STRANDS[strand] for strand in stock.strands):
+        besides.append(stock.starts[:-1] + 1)
+    cut = draft(stock, found.source, found.target, np.concatenate(besides))
+    return _finished(stock, found, cut, stock.advance(cut.last, 1) >= 0, ())
+
+
+def part_of(network: Network, kept: Mask) -> Network:
+    """Some paths of a network, shape (paths,), and what of them may follow what."""
+    number = np.cumsum(kept) - 1
+    before = np.repeat(np.arange(len(network)), np.diff(network.indptr))
+    inside = kept[before] & kept[network.indices]
+    arrays: dict[str, Any] = {
+        **{name: getattr(network, name)[kept] for name in ("first", "length", "displacement", "turn", "duration")},
+        "indptr": np.searchsorted(number[before[inside]], np.arange(int(kept.sum()) + 1)),
+        "indices": number[network.indices[inside]],
+        "cost": network.cost[inside],
+        "distance": network.distance[inside],
+    }
+    meeting = None if network.meeting is None else Meeting(*(values[inside] for values in network.meeting))
+    for values in (*arrays.values(), *(meeting or ())):
+        values.setflags(write=False)
+    words: dict[str, Any] = {
+        name: tuple(itertools.compress(getattr(network, name), kept))
+        for name in ("state_from", "state_to", "label", "class_", "phrase")
+    }
+    return dataclasses.replace(network, **arrays, **words, meeting=meeting)
 
 
 def _sound(repertoire: Repertoire, cut: Draft, faulty: Mask) -> Draft:

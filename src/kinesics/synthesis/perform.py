@@ -82,7 +82,8 @@ def performance(
     route : corners of a line on the floor to follow, shape (n, 2), x and z in metres from where the performer starts.
     from_state, to_state : states of the motion graph (`kinesics.graph` of the same recordings names them, such as "A", "A*" or
         "X~"): begin in the one, and go to the other by the quickest way, on which every transition counts as 3 seconds or more:
-        what was recorded between them is travelled rather than leapt over. The first alone is only where it begins.
+        what was recorded between them is travelled rather than leapt over; no way need lead back. The first alone is only where it
+        begins.
     favour : of what there is to be much: a class ("cyclic-antiphase"), a state ("A*") or a path ("ab_1") of the grammar, a phrase
         by the name that ``edits`` give it (of one recording also by its kind, "kind 2"), a recording by its name; or a word that
         stands in the names of recordings, "walk". Where it is not in the largest part of the recordings that holds together, the
@@ -193,8 +194,13 @@ def fulfil(
             net = networks.network(stock, transitions=found, seams=seams, holding=holding)
         return net if grammar is None else labels.labelled(net, grammar.graph, grammar.phrases, at_states=True)
 
+    def everything() -> Network:
+        assert grammar is not None, "states are asked for"
+        return labels.labelled(networks.everything(found, seams), grammar.graph, grammar.phrases, at_states=True)
+
     largest = made(None)
-    serving = elsewhere.serving(largest, wish, found, made)
+    part = elsewhere.serving(largest, wish, found, made)
+    serving = elsewhere.way_there(part, wish, everything)
     if grammar is not None:
         check_names(serving, wish, grammar)
     net = afoot(serving)
@@ -207,7 +213,7 @@ def fulfil(
         wish,
         most,
         seed,
-        finish=wish.ends and not asked.linger,
+        finish=wish.ends and not (asked.linger and net.endless),
         beta=float(asked.beta),
         bend=BEND if asked.bend is None else float(asked.bend),
         start=start,
@@ -249,7 +255,7 @@ def fulfil(
     told = (
         left_out
         + stock.warnings
-        + elsewhere.told(serving, largest, wish)
+        + elsewhere.told(serving, largest, wish, only_ways=serving is not part, linger=asked.linger)
         + doubts(
             piece,
             wish,

@@ -84,6 +84,35 @@ def shortest(
     return way
 
 
+def between(network: Network, origins: Mask, goals: Mask, lead: float) -> Mask:
+    """Paths on any way from an origin path to a goal path, those included, and what is gone just before and after them.
+
+    Parameters
+    ----------
+    lead : seconds before an origin path, and after a goal path, within which paths begin, or end, that are taken besides.
+
+    Returns
+    -------
+    Shape (paths,); none where there is no way.
+    """
+    duration = np.asarray(network.duration, dtype=np.float64)
+    begun, ended = origins & leading_there(network, goals), goals & led_to(network, origins)
+    if not begun.any():
+        return np.zeros(len(duration), dtype=np.bool_)
+    on_the_way = led_to(network, begun) & leading_there(network, ended)
+    return np.asarray(on_the_way | (seconds_to(network, begun) <= lead) | (_seconds_since(network, ended) <= lead))
+
+
+def leading_there(network: Network, goals: Mask) -> Mask:
+    """Paths from which a goal path can be come to, those included: shape (paths,)."""
+    return np.isfinite(seconds_to(network, goals))
+
+
+def led_to(network: Network, origins: Mask) -> Mask:
+    """Paths that can be come to from an origin path, those included: shape (paths,)."""
+    return np.isfinite(_seconds_since(network, origins))
+
+
 def leading_to(network: Network, path: int, seconds: float, most: float) -> list[int]:
     """Paths that come before one, the earliest first: see `following`."""
     owners = np.repeat(np.arange(len(network.first)), np.diff(network.indptr))
@@ -108,6 +137,8 @@ def _on_and_on(network: Network, beside: Indices, here: Indices, path: int, seco
     lasted, spare = 0.0, 0.5 / network.repertoire.fps
     while lasted < seconds - spare:
         ways = np.flatnonzero(here == path)
+        if not len(ways):
+            break
         path = int(beside[ways[np.argmin(network.cost[ways])]])
         lasted += float(network.duration[path])
         too_long = lasted > seconds + spare and lasted - network.duration[path] >= 0.5 * seconds
@@ -135,6 +166,16 @@ def stances(network: Network) -> Mask:
     found = np.zeros(len(slow), dtype=np.bool_)
     found[among[lasting]] = True
     return found
+
+
+def _seconds_since(network: Network, origins: Mask) -> Array:
+    """Seconds from the end of the last origin path until the end of each path; 0 for origins, inf where none leads there."""
+    from scipy.sparse.csgraph import dijkstra
+
+    lasts = np.asarray(network.duration, dtype=np.float64)[np.asarray(network.indices)]
+    return np.asarray(
+        dijkstra(_forwards(network, lasts), indices=np.flatnonzero(origins), min_only=True), dtype=np.float64
+    )
 
 
 def _forwards(network: Network, values: Array) -> csr_array:
