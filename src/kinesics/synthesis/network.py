@@ -3,8 +3,8 @@
 The recordings, in every strand that may be used, are cut at the seams of their transitions (`kinesics.synthesis.transitions`).
 A *path* is what lies between two cuts. After it comes the path that the recording goes on with, at no cost, or one that a
 transition leads to. What cannot be reached again from where it leads is a dead end: only the largest strongly connected part
-is kept, and what was left out is said. If mirror images belong to it, the whole is its own mirror image. For ways that may end there
-is the network of `everything`.
+is kept, and what was left out is said. If mirror images belong to it, the whole is its own mirror image. For ways that may end
+there is the network of `everything`.
 
 References
 ----------
