@@ -242,3 +242,28 @@ def test_who_is_there_already_is_told(walk: kx.Motion) -> None:
     ):
         piece = kx.performance(walk, seconds=4, **wish)  # type: ignore[arg-type]
         assert sum("one is there at once" in line for line in piece.motion.warnings) == said
+
+
+def test_a_route_that_the_body_was_far_from_is_told(piece: Piece) -> None:
+    """With how far in the median and at the worst, and what helps; a way to where the route begins is none of it."""
+
+    def said(points: list[tuple[float, float]], bend: float = 5.0) -> list[str]:
+        wish = Wish.of(None, points, None, None, None, None)
+        parameters = {**piece.parameters, "route": [list(p) for p in points], "bend_used": bend}
+        course = dataclasses.replace(piece.course, attained=True)
+        made = dataclasses.replace(piece, check=SOUND, parameters=parameters, course=course)
+        lines = doubts(made, wish, prospects(piece.network), 10.0, 10.0)
+        return [line for line in lines if "beside the route" in line]
+
+    trail = [tuple(place) for place in piece.trail[::5].tolist()]
+    assert said(trail) == []
+    assert said(trail[len(trail) // 4 :]) == said([trail[0], *trail[len(trail) // 4 :]])
+    straight = [(0.0, 0.0), (0.0, 12.0)]
+    away = np.abs(piece.trail[:, 0])
+    behind = np.where(piece.trail[:, 1] < 0.0, np.hypot(*piece.trail.T), away)
+    (line,) = said(straight)
+    assert f"{np.median(behind):.2f} m beside the route in the median, {behind.max():.1f} m at the worst" in line
+    assert "--bend 10" in line
+    (line,) = said(straight, bend=20.0)
+    assert "--bend" not in line
+    assert "another seed" in line

@@ -14,7 +14,7 @@ from kinesics.synthesis import rounds, staying, unused
 from kinesics.synthesis.attempts import MOST_BEND, Shorter
 from kinesics.synthesis.checking import ROUNDING, SLIDE, SUNK, Slid, steps_of
 from kinesics.synthesis.goals.states import way_between
-from kinesics.synthesis.piece import SWAY, Piece, way_of
+from kinesics.synthesis.piece import SWAY, Piece, distance_to_line, way_of
 from kinesics.synthesis.prospects import Prospects
 from kinesics.synthesis.repertoire import THROWN
 from kinesics.synthesis.stage import FLESH, Stage
@@ -34,6 +34,10 @@ ROUNDABOUT: Final = 2.0
 """Times the straight way to a target, from which it is said that the way is long, and what shortens it."""
 AT_LEAST: Final = 5.0
 """Metres round, below which nothing is said of it: nobody turns on the spot."""
+BESIDE: Final = 0.3
+"""Metres from a route, in the median, above which it is told how it was followed: more than a body sways."""
+FAR_BESIDE: Final = 1.0
+"""The same at the worst: more than a step."""
 SHORT: Final = 0.25
 """Seconds of a way from state to state, below which hardly anything of it is to be seen."""
 SEEN: Final = 1.0
@@ -72,6 +76,7 @@ def doubts(
         _round_and_round(piece),
         _there_already(piece, wish),
         _missed(piece, wish, ahead, most, seconds),
+        _beside(piece, wish),
         _roundabout(piece, wish, shorter),
         _short(piece, wish),
         _leapt(piece),
@@ -238,6 +243,25 @@ def _hopeless(piece: Piece, wish: Wish, ahead: Prospects) -> bool:
     bend = math.radians(piece.parameters["bend_used"])
     tables = ahead.to_go(wish.radius - SPARE, bend)
     return tables.hopeless(int(piece.course.paths[0]), complex(z, x))
+
+
+def _beside(piece: Piece, wish: Wish) -> str:
+    """A route that the body was far from, though it came to its end."""
+    if wish.route is None:
+        return ""
+    # who begins elsewhere than the route goes there first
+    away = distance_to_line(piece.trail, np.array([(0.0, 0.0), *np.asarray(wish.route.points).tolist()]))
+    worst = int(np.argmax(away))
+    median, farthest = float(np.median(away)), float(away[worst])
+    if median <= BESIDE and farthest <= FAR_BESIDE:
+        return ""
+    bend = float(piece.parameters["bend_used"])
+    more = f"more `bend` (--bend {max(2.0 * bend, 10.0):g})" if bend < MOST_BEND else "another seed (--seed)"
+    return (
+        f"the body is {median:.2f} m beside the route in the median, {farthest:.1f} m at the worst, at "
+        f"{worst / piece.motion.fps:.1f} s ({BESIDE:g} and {FAR_BESIDE:g} m are let pass): recordings that turn more, a route of wider "
+        f"turns, or {more} may keep it nearer"
+    )
 
 
 def _roundabout(piece: Piece, wish: Wish, shorter: Shorter | None) -> str:

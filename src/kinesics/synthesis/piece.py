@@ -332,10 +332,10 @@ def way_of(trail: Array, frames: float) -> float:
 
 def aside_of(trail: Array, corners: Array) -> float:
     """Median of the metres between a trail of shape (frames, 2) and a line with these corners."""
-    return float(np.median(_distance_to_line(trail, corners)))
+    return float(np.median(distance_to_line(trail, corners)))
 
 
-def _distance_to_line(points: Array, corners: Array) -> Array:
+def distance_to_line(points: Array, corners: Array) -> Array:
     """Metres from each point to the nearest place on a line of straight pieces: shape (n,)."""
     least = np.full(len(points), np.inf)
     for a, b in itertools.pairwise(corners):
