@@ -259,8 +259,8 @@ def _beside(piece: Piece, wish: Wish) -> str:
     more = f"more `bend` (--bend {max(2.0 * bend, 10.0):g})" if bend < MOST_BEND else "another seed (--seed)"
     return (
         f"the body is {median:.2f} m beside the route in the median, {farthest:.1f} m at the worst, at "
-        f"{worst / piece.motion.fps:.1f} s ({BESIDE:g} and {FAR_BESIDE:g} m are let pass): recordings that turn more, a route of wider "
-        f"turns, or {more} may keep it nearer"
+        f"{worst / piece.motion.fps:.1f} s ({BESIDE:g} and {FAR_BESIDE:g} m are let pass): recordings that turn more, a route of "
+        f"wider turns, or {more} may keep it nearer"
     )
 
 
