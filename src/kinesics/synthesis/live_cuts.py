@@ -19,9 +19,9 @@ from kinesics.body import kinematics
 from kinesics.geometry import single
 from kinesics.geometry.single import Vector
 from kinesics.synthesis import blending
+from kinesics.synthesis.afoot import afoot
 from kinesics.synthesis.live_blends import Blend, absorbed
 from kinesics.synthesis.live_poses import Poses
-from kinesics.synthesis.meeting import meetings
 from kinesics.synthesis.network import Network
 from kinesics.synthesis.repertoire import Repertoire
 from kinesics.synthesis.stage import LEAST_TURNING, SPARED, Stage
@@ -176,21 +176,16 @@ class Cuts:
         return Blend(cut, ends, offset, velocity, *spans, shares[:, None], leap)
 
 
-_meetings: weakref.WeakKeyDictionary[Network, tuple[NDArray[np.complex128], Array]] = weakref.WeakKeyDictionary()
+_met_afoot: weakref.WeakKeyDictionary[Network, tuple[NDArray[np.complex128], Array]] = weakref.WeakKeyDictionary()
 
 
 def _met(network: Network, played: Repertoire) -> tuple[NDArray[np.complex128], Array]:
     """`Network.met`, of moments with their feet where they are played; made once and kept as long as the network is."""
-    if network.meeting is None or played is network.repertoire:
+    if network.meeting is None or played is network.repertoire or played is network.afoot:
         return network.met
-    if network not in _meetings:
-        place, turn = network.met[0].copy(), network.met[1].copy()
-        jumps = np.flatnonzero(network.cost > 0.0)
-        owners = np.searchsorted(network.indptr, jumps, side="right") - 1
-        met = meetings(played, network.onward[owners], network.first[network.indices[jumps]])
-        place[jumps], turn[jumps] = met.place[:, 1] + 1j * met.place[:, 0], met.turn
-        _meetings[network] = place, turn
-    return _meetings[network]
+    if network not in _met_afoot:
+        _met_afoot[network] = afoot(network).met
+    return _met_afoot[network]
 
 
 def _sizes(vectors: Array) -> Array:

@@ -6,7 +6,6 @@ beside the same figure of the recordings. Contacts are found anew by `kinesics.b
 
 from __future__ import annotations
 
-import weakref
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
@@ -103,9 +102,6 @@ class _Yardstick:
     penetration: float
 
 
-_yardsticks: weakref.WeakKeyDictionary[Repertoire, _Yardstick] = weakref.WeakKeyDictionary()
-
-
 def measure(performance: Performance, repertoire: Repertoire, *, threshold: float = np.nan) -> Quality:
     """Measure a performance against its recordings.
 
@@ -113,9 +109,7 @@ def measure(performance: Performance, repertoire: Repertoire, *, threshold: floa
     ----------
     threshold : largest D accepted at a transition (`Network.threshold`).
     """
-    if repertoire not in _yardsticks:
-        _yardsticks[repertoire] = _yardstick(repertoire)
-    own = _yardsticks[repertoire]
+    own = repertoire.kept(_yardstick)
     motion, stage = performance.motion, Stage.of(repertoire)
     came = performance.provenance
     frame, image = repertoire.frame_of(came.moment), came.mirrored.astype(np.intp)

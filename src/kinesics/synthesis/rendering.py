@@ -284,7 +284,8 @@ def _met(network: Network, played: Repertoire, chosen: Indices) -> tuple[NDArray
     edges = network.edges(chosen[:-1], chosen[1:])
     place, turn = network.met[0][edges], network.met[1][edges]
     jumps = np.flatnonzero(network.first[chosen[1:]] != network.onward[chosen[:-1]])
-    if network.meeting is not None and played is not network.repertoire and len(jumps):
+    known = played is network.repertoire or played is network.afoot
+    if network.meeting is not None and not known and len(jumps):
         met = meetings(played, network.onward[chosen[jumps]], network.first[chosen[jumps + 1]])
         place[jumps], turn[jumps] = met.place[:, 1] + 1j * met.place[:, 0], met.turn
     return place, turn
