@@ -2,7 +2,7 @@
 
     python benchmarks/bench_synthesis_control.py [--json FILE] [--only decisions|performed|chirality|ready]
 
-Everything is measured on the way of the root over the floor, as planted feet carry the body (`kinesics.synthesis.afoot`), and of
+Everything is measured on the way of the root over the floor, as planted feet carry the body (`synthesis.embodiment.afoot`), and of
 some whole performances on the movement performed. Networks are made from the walks of the data folder at 30 frames a second.
 Targets lie 3-8 m away in any direction, drawn by seed. A trial begins with any path as recorded, drawn by seed (so it may begin
 turning the other way, or standing), and ends, at the latest, after 30 s. "Looked ahead 0 s" weighs single paths, as the
@@ -26,12 +26,12 @@ from numpy.typing import NDArray
 
 import kinesics as kx
 from harness import Table, data_folder, main, measure
-from kinesics.synthesis.afoot import afoot
-from kinesics.synthesis.controller import BEND, Controller
-from kinesics.synthesis.courses import Course, perform_paths
+from kinesics.synthesis.control.controller import BEND, Controller
+from kinesics.synthesis.control.courses import Course, perform_paths
+from kinesics.synthesis.embodiment.afoot import afoot
 from kinesics.synthesis.goals import RADIUS, Economy, Goal, Novelty, Route, Target, Targets
-from kinesics.synthesis.network import Network, network
-from kinesics.synthesis.prospects import LOOKAHEAD, Prospects, prospects
+from kinesics.synthesis.paths.network import Network, network
+from kinesics.synthesis.paths.prospects import LOOKAHEAD, Prospects, prospects
 from kinesics.synthesis.repertoire import repertoire
 
 WALKS = ("91/91_01", "91/91_34", "07/07_01", "07/07_05", "35/35_01", "02/02_01", "16/16_21")
@@ -49,9 +49,9 @@ READY_RUNS = 3
 READY = """
 import sys, warnings
 import kinesics as kx
-from kinesics.synthesis.afoot import afoot
-from kinesics.synthesis.network import network
-from kinesics.synthesis.prospects import prospects
+from kinesics.synthesis.embodiment.afoot import afoot
+from kinesics.synthesis.paths.network import network
+from kinesics.synthesis.paths.prospects import prospects
 from kinesics.synthesis.repertoire import repertoire
 warnings.simplefilter("ignore")
 prospects(afoot(network(repertoire([kx.read(file) for file in sys.argv[1:]]))))

@@ -3,7 +3,7 @@
 Paths are those a `Controller` chooses ("controller": after a route of a square and, seed by seed, without repeating itself),
 and others drawn at random: a transition whenever none was for half a second ("calm") or wherever there is one at every other
 chance ("wild": up to three a second, more than a controller asks for). Contacts are found anew in the performance, with the
-recordings' own thresholds. What feet, body and joints weigh against each other (`kinesics.synthesis.footing`) was set once for
+recordings' own thresholds. What feet, body and joints weigh against each other (`synthesis.embodiment.footing`) was set once for
 all on 91_01, the kata, Bandai-Namco walks and runs and the performer's walk, limits of transitions on these and 13, 86 and the
 dance; rows called "held out" were looked at only afterwards.
 
@@ -31,17 +31,17 @@ from numpy.typing import NDArray
 import kinesics as kx
 from harness import Table, data_folder, main
 from kinesics.body.motion import Motion
-from kinesics.synthesis.controller import Controller
-from kinesics.synthesis.courses import perform_paths
+from kinesics.synthesis.control.controller import Controller
+from kinesics.synthesis.control.courses import perform_paths
+from kinesics.synthesis.embodiment.quality import Quality, measure
+from kinesics.synthesis.embodiment.rendering import Performance, render
+from kinesics.synthesis.embodiment.stage import Stage
 from kinesics.synthesis.goals import Economy, Novelty, Route, Target
-from kinesics.synthesis.live import LiveRenderer, performed
-from kinesics.synthesis.network import Network, network
-from kinesics.synthesis.prospects import Prospects, prospects
-from kinesics.synthesis.quality import Quality, measure
-from kinesics.synthesis.rendering import Performance, render
+from kinesics.synthesis.live.renderer import LiveRenderer, performed
+from kinesics.synthesis.paths.network import Network, network
+from kinesics.synthesis.paths.prospects import Prospects, prospects
+from kinesics.synthesis.paths.trails import trails
 from kinesics.synthesis.repertoire import repertoire
-from kinesics.synthesis.stage import Stage
-from kinesics.synthesis.trails import trails
 
 _CMU = {
     "walks of 91, 07 and 35, those of the targets": ("91/91_01", "91/91_34", "07/07_01", "35/35_01"),

@@ -2,7 +2,7 @@
 
 Every case is a few recordings (CMU as AMC and BVH, Bandai-Namco clips, the performer's movements on usual and odd rigs; one
 alone, or several of different subjects, formats and frame rates) and a wish (a place, a line, a state, a word, a time; mirrored
-or not, backwards, at another frame rate, on another's skeleton). It is performed, measured (`kinesics.synthesis.quality`), written,
+or not, backwards, at another frame rate, on another's skeleton). It is performed, measured (`embodiment.quality`), written,
 read again, and every third is performed once more from the command line; what is beyond issue's lines (`LINES`) is told. A case
 is the same for the same seed, group and number, whatever else is run.
 
@@ -42,7 +42,8 @@ from kinesics.formats import write
 from kinesics.geometry import quaternion
 from kinesics.report.performances import save_performance
 from kinesics.similarity import paired_distance
-from kinesics.synthesis import goals, quality
+from kinesics.synthesis import goals
+from kinesics.synthesis.embodiment import quality
 from kinesics.synthesis.piece import Piece
 
 Case = dict[str, Any]

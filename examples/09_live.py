@@ -12,10 +12,10 @@ import numpy as np
 
 import kinesics as kx
 from kinesics import plotting
-from kinesics.synthesis.controller import Controller
+from kinesics.synthesis.control.controller import Controller
 from kinesics.synthesis.goals import Target
-from kinesics.synthesis.live import LiveRenderer
-from kinesics.synthesis.network import network
+from kinesics.synthesis.live.renderer import LiveRenderer
+from kinesics.synthesis.paths.network import network
 from kinesics.synthesis.repertoire import repertoire
 
 out = Path(sys.argv[1] if len(sys.argv) > 1 else "out")

@@ -1,5 +1,5 @@
 // Where feet and body go so that bearing feet stay: assembly and solution of a block-banded system of least squares. What is
-// summed is said in kinesics/synthesis/footing.py, where the NumPy twin is.
+// summed is said in kinesics/synthesis/embodiment/footing.py, where the NumPy twin is.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 

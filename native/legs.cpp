@@ -1,5 +1,5 @@
 // Legs that reach, in all frames: the knee bent, the leg swung, the foot turned in the world as it was. The NumPy twin is in
-// kinesics/synthesis/inverse_kinematics.py.
+// kinesics/synthesis/embodiment/inverse_kinematics.py.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 

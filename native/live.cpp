@@ -1,5 +1,5 @@
 // What is done in every frame of a live performance: transitions added, joints held in their range, a leg that reaches. The
-// twins in NumPy and plain Python are in kinesics/synthesis/live_blends.py and kinesics/synthesis/live_leg.py.
+// twins in NumPy and plain Python are in kinesics/synthesis/live/blends.py and kinesics/synthesis/live/leg.py.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>

@@ -1,4 +1,4 @@
-// A smooth curve above another. The NumPy twin is in kinesics/synthesis/planting.py.
+// A smooth curve above another. The NumPy twin is in kinesics/synthesis/embodiment/planting.py.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 

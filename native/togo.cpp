@@ -1,4 +1,4 @@
-// Seconds to a target by many composites at once, looked up in tables. The NumPy twin is in kinesics/synthesis/togo.py.
+// Seconds to a target by many composites at once, looked up in tables. The NumPy twin is in kinesics/synthesis/paths/togo.py.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from kinesics.synthesis.meeting import Meeting
-from kinesics.synthesis.network import Network
+from kinesics.synthesis.paths.meeting import Meeting
+from kinesics.synthesis.paths.network import Network
 
 FPS = 20.0
 

@@ -206,7 +206,7 @@ class Chain:
         """Their rotations, of those of all joints (joints, 4); their places and orientations in the world."""
 
 class Leg:
-    """One leg of one performance, which goes gently: see ``kinesics.synthesis.live_leg``."""
+    """One leg of one performance, which goes gently: see ``kinesics.synthesis.live.leg``."""
 
     def __init__(
         self,

@@ -15,7 +15,7 @@ import pytest
 import kinesics as kx
 from kinesics.cli import terminal
 from kinesics.report.performances import performance_schema
-from kinesics.synthesis import checking
+from kinesics.synthesis.embodiment import checking
 
 from .conftest import Kinesics
 

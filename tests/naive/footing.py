@@ -1,12 +1,12 @@
-"""The sum of squares of `kinesics.synthesis.footing`, term by term."""
+"""The sum of squares of `kinesics.synthesis.embodiment.footing`, term by term."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kinesics.synthesis import footing
-from kinesics.synthesis.footing import Bounds, Leg, Usual
+from kinesics.synthesis.embodiment import footing
+from kinesics.synthesis.embodiment.footing import Bounds, Leg, Usual
 
 Array = NDArray[np.float64]
 

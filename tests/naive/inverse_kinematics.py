@@ -1,4 +1,4 @@
-"""A slow, obvious twin of `kinesics.synthesis.inverse_kinematics`: one leg, one frame, the knee found by bisection."""
+"""A slow, obvious twin of `kinesics.synthesis.embodiment.inverse_kinematics`: one leg, one frame, the knee found by bisection."""
 
 from __future__ import annotations
 

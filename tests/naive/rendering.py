@@ -1,4 +1,4 @@
-"""Slow, obvious twins of `kinesics.synthesis.rendering`: paths laid end to end, frame after frame."""
+"""Slow, obvious twins of `kinesics.synthesis.embodiment.rendering`: paths laid end to end, frame after frame."""
 
 from __future__ import annotations
 

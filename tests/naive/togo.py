@@ -1,11 +1,11 @@
-"""A slow, obvious twin of `kinesics.synthesis.togo.ToGo.by`: one trail, one bend, interpolated in its path's table."""
+"""A slow, obvious twin of `kinesics.synthesis.paths.togo.ToGo.by`: one trail, one bend, interpolated in its path's table."""
 
 from __future__ import annotations
 
 import cmath
 import math
 
-from kinesics.synthesis.togo import BEARINGS, KNOTS
+from kinesics.synthesis.paths.togo import BEARINGS, KNOTS
 
 
 def seconds_by(ahead, trail, row: int, target: complex, bend: float) -> float:

@@ -1,4 +1,4 @@
-"""A slow, obvious twin of `kinesics.synthesis.treading`: the whole body is placed, all of both feet in arrays."""
+"""A slow, obvious twin of `kinesics.synthesis.live.treading`: the whole body is placed, all of both feet in arrays."""
 
 from __future__ import annotations
 
@@ -6,9 +6,8 @@ import numpy as np
 
 from kinesics.body import kinematics
 from kinesics.geometry import quaternion
-from kinesics.synthesis import inverse_kinematics
-from kinesics.synthesis.foresight import Foresight
-from kinesics.synthesis.stage import (
+from kinesics.synthesis.embodiment import inverse_kinematics
+from kinesics.synthesis.embodiment.stage import (
     LEAST_TURNING,
     LIFT,
     RELEASE,
@@ -20,6 +19,7 @@ from kinesics.synthesis.stage import (
     held_around,
     shortfall,
 )
+from kinesics.synthesis.live.foresight import Foresight
 
 
 class Follower:

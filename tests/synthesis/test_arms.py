@@ -9,9 +9,9 @@ import numpy as np
 import kinesics as kx
 from kinesics.body import kinematics
 from kinesics.geometry import quaternion
-from kinesics.synthesis.arms import _Moment, put_arms_clear
+from kinesics.synthesis.embodiment.arms import _Moment, put_arms_clear
+from kinesics.synthesis.embodiment.stage import FLESH, Stage
 from kinesics.synthesis.repertoire import repertoire
-from kinesics.synthesis.stage import FLESH, Stage
 
 
 def test_arms_that_another_turn_has_freed_are_left() -> None:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from kinesics.geometry import quaternion
-from kinesics.synthesis import blending
+from kinesics.synthesis.embodiment import blending
 
 VECTORS = arrays(np.float64, (3,), elements=st.floats(-2.0, 2.0))
 

@@ -13,12 +13,12 @@ import kinesics as kx
 from kinesics.body import kinematics
 from kinesics.body.contacts import runs
 from kinesics.geometry import quaternion
-from kinesics.synthesis import blending, checking, quality
-from kinesics.synthesis.arms import put_arms_clear
-from kinesics.synthesis.network import Network, network
-from kinesics.synthesis.rendering import Performance, render
+from kinesics.synthesis.embodiment import blending, checking, quality
+from kinesics.synthesis.embodiment.arms import put_arms_clear
+from kinesics.synthesis.embodiment.rendering import Performance, render
+from kinesics.synthesis.embodiment.stage import FLESH, Stage
+from kinesics.synthesis.paths.network import Network, network
 from kinesics.synthesis.repertoire import repertoire
-from kinesics.synthesis.stage import FLESH, Stage
 
 
 def walked(seed: int, fps: float, route: str, noise: float) -> Network:

@@ -10,16 +10,16 @@ import pytest
 import kinesics as kx
 from bodies import about, moving
 from kinesics.similarity import check_weights
-from kinesics.synthesis import transitions as transitions_module
-from kinesics.synthesis.choice import best, best_of_steps, joining, lowest
-from kinesics.synthesis.limits import find_limits
-from kinesics.synthesis.network import network
-from kinesics.synthesis.parts import draft, largest_part
+from kinesics.synthesis.joining import transitions as transitions_module
+from kinesics.synthesis.joining.choice import best, best_of_steps, joining, lowest
+from kinesics.synthesis.joining.limits import find_limits
+from kinesics.synthesis.joining.parts import draft, largest_part
+from kinesics.synthesis.joining.seams import Pairs, Seams, ways
+from kinesics.synthesis.joining.search import search
+from kinesics.synthesis.joining.sharing import Shared, refined
+from kinesics.synthesis.joining.transitions import transitions
+from kinesics.synthesis.paths.network import network
 from kinesics.synthesis.repertoire import repertoire
-from kinesics.synthesis.seams import Pairs, Seams, ways
-from kinesics.synthesis.search import search
-from kinesics.synthesis.sharing import Shared, refined
-from kinesics.synthesis.transitions import transitions
 
 
 def _swinging(fps: float, seconds: float = 25.0) -> Seams:

@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 import kinesics as kx
 from floor_networks import STEPS, Path, floor_network, met, walker
 from kinesics.errors import InputError
-from kinesics.synthesis.controller import Controller
-from kinesics.synthesis.courses import Course, perform_paths
+from kinesics.synthesis.control.controller import Controller
+from kinesics.synthesis.control.courses import Course, perform_paths
 from kinesics.synthesis.goals import (
     Economy,
     Favour,
@@ -34,8 +34,8 @@ from kinesics.synthesis.goals import (
     Target,
     Targets,
 )
-from kinesics.synthesis.network import Network, network
-from kinesics.synthesis.prospects import Prospects, prospects
+from kinesics.synthesis.paths.network import Network, network
+from kinesics.synthesis.paths.prospects import Prospects, prospects
 from kinesics.synthesis.repertoire import repertoire
 from naive import controller as naive
 

@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 import kinesics as kx
-from kinesics.synthesis import checking, unused
-from kinesics.synthesis.checking import Check, Slid
+from kinesics.synthesis import unused
 from kinesics.synthesis.doubts import doubts
+from kinesics.synthesis.embodiment import checking
+from kinesics.synthesis.embodiment.checking import Check, Slid
+from kinesics.synthesis.paths.prospects import prospects
 from kinesics.synthesis.piece import Piece, way_of
-from kinesics.synthesis.prospects import prospects
 from kinesics.synthesis.wish import Wish
 
 SOUND = Check(20, 0, 0.006, 0.004, 0.0, 0.001, 0.003, 0.01)

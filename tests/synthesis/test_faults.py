@@ -12,11 +12,11 @@ from bodies import rounds
 from floor_networks import Path, floor_network
 from kinesics.body.motion import Motion
 from kinesics.geometry import quaternion
-from kinesics.synthesis import faults
-from kinesics.synthesis.courses import perform_paths
+from kinesics.synthesis.control.courses import perform_paths
 from kinesics.synthesis.goals import Target
-from kinesics.synthesis.network import network
-from kinesics.synthesis.parts import Draft
+from kinesics.synthesis.joining import faults
+from kinesics.synthesis.joining.parts import Draft
+from kinesics.synthesis.paths.network import Network, network
 from kinesics.synthesis.repertoire import repertoire
 
 
@@ -54,7 +54,7 @@ def test_a_fault_is_left_out_and_told() -> None:
     sound, leaping = (network(repertoire(motion)) for motion in (rounds(), flipped(rounds(), 240)))
     stock = leaping.repertoire
     assert stock.faults.any()
-    assert not faults.of_paths(leaping).any()
+    assert not leaping.leaping.any()
     assert leaping.seconds > 0.9 * sound.seconds
     (why,) = {s.why for p in leaping.pruned for s in p.stretches if s.start < 8.0 < s.end}
     assert why == "a fault of the recording, in which the body leaps"
@@ -86,7 +86,7 @@ def test_where_there_is_a_choice_the_sound_way_is_taken(monkeypatch: pytest.Monk
     net = floor_network(paths, {"walk": ["fault", "sound", "left", "right"]} | {p.name: ["walk"] for p in paths[1:]})
 
     def taken(*leaping: bool) -> set[int]:
-        monkeypatch.setattr(faults, "of_paths", lambda _: np.array([*leaping, False, False]))
+        monkeypatch.setattr(Network, "leaping", np.array([*leaping, False, False]))
         course = perform_paths(net, Target((0.0, 30.0)), 40.0, 3, finish=True)
         assert course.attained
         return set(course.paths.tolist())

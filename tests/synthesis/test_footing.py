@@ -7,8 +7,8 @@ import pytest
 from numpy.typing import NDArray
 
 from kinesics import compiled
-from kinesics.synthesis import footing
-from kinesics.synthesis.footing import Bounds, Leg, Usual
+from kinesics.synthesis.embodiment import footing
+from kinesics.synthesis.embodiment.footing import Bounds, Leg, Usual
 from naive import footing as naive
 
 Array = NDArray[np.float64]

@@ -13,7 +13,7 @@ from floor_networks import walker
 from kinesics import compiled
 from kinesics.body.motion import Motion
 from kinesics.errors import InputError
-from kinesics.synthesis.controller import Controller
+from kinesics.synthesis.control.controller import Controller
 from kinesics.synthesis.goals import (
     Abiding,
     Goal,
@@ -30,8 +30,8 @@ from kinesics.synthesis.goals import (
     TrailPursuit,
 )
 from kinesics.synthesis.goals.measured import _Measured
-from kinesics.synthesis.network import Network, network
-from kinesics.synthesis.prospects import SOON, prospects
+from kinesics.synthesis.paths.network import Network, network
+from kinesics.synthesis.paths.prospects import SOON, prospects
 from kinesics.synthesis.repertoire import repertoire
 
 AHEAD, STAND = 0, 3

@@ -14,7 +14,7 @@ from kinesics.body.mirroring import mirror
 from kinesics.body.skeleton import Skeleton
 from kinesics.errors import InputError, SkeletonError
 from kinesics.geometry import quaternion
-from kinesics.synthesis import inverse_kinematics as ik
+from kinesics.synthesis.embodiment import inverse_kinematics as ik
 from naive import inverse_kinematics as naive
 
 

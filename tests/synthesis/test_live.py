@@ -16,19 +16,19 @@ import kinesics as kx
 from kinesics.body.skeleton import Skeleton
 from kinesics.errors import InputError
 from kinesics.geometry import quaternion
-from kinesics.synthesis import blending, quality
-from kinesics.synthesis.controller import Controller
+from kinesics.synthesis.control.controller import Controller
+from kinesics.synthesis.embodiment import blending, quality
+from kinesics.synthesis.embodiment.rehearsal import played
+from kinesics.synthesis.embodiment.rendering import render
+from kinesics.synthesis.embodiment.stage import Stage, seams
 from kinesics.synthesis.goals import Economy, MovingTarget, Novelty, Target
-from kinesics.synthesis.live import LiveRenderer, performed
-from kinesics.synthesis.live_blends import Blend, Ranges
-from kinesics.synthesis.live_cuts import Crossing, Cuts
-from kinesics.synthesis.live_poses import Poses
-from kinesics.synthesis.network import Network, network
-from kinesics.synthesis.rehearsal import played
-from kinesics.synthesis.rendering import render
+from kinesics.synthesis.live.blends import Blend, Ranges
+from kinesics.synthesis.live.cuts import Crossing, Cuts
+from kinesics.synthesis.live.poses import Poses
+from kinesics.synthesis.live.renderer import LiveRenderer, performed
+from kinesics.synthesis.live.treading import Treading
+from kinesics.synthesis.paths.network import Network, network
 from kinesics.synthesis.repertoire import repertoire
-from kinesics.synthesis.stage import Stage, seams
-from kinesics.synthesis.treading import Treading
 
 
 def carried(motion: kx.Motion, turns: np.ndarray) -> kx.Motion:
@@ -57,7 +57,7 @@ def test_the_seam_is_that_of_the_whole(
     made: Network, rng: np.random.Generator, reach: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Offsets and velocities of all joints and the root, anywhere, also where a recording begins or ends."""
-    monkeypatch.setattr("kinesics.synthesis.stage.REACH", reach)
+    monkeypatch.setattr("kinesics.synthesis.embodiment.stage.REACH", reach)
     own = made.repertoire
     stage = Stage.of(own)
     cuts = Cuts(made, stage, Poses(stage, own), Treading(stage))

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import kinesics as kx
-from kinesics.synthesis import meeting
-from kinesics.synthesis.meeting import meetings, soles_beneath
+from kinesics.synthesis.paths import meeting
+from kinesics.synthesis.paths.meeting import meetings, soles_beneath
 from kinesics.synthesis.repertoire import Repertoire, repertoire
 
 

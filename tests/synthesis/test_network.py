@@ -16,10 +16,10 @@ from kinesics.errors import InputError
 from kinesics.geometry import quaternion
 from kinesics.grammar.graph import MotionGraph, Occurrence, Source, State, Stay
 from kinesics.grammar.graph import Path as Edge
-from kinesics.synthesis.labels import labelled
-from kinesics.synthesis.network import Network, network
+from kinesics.synthesis.joining.transitions import transitions
+from kinesics.synthesis.paths.labels import labelled
+from kinesics.synthesis.paths.network import Network, network
 from kinesics.synthesis.repertoire import repertoire
-from kinesics.synthesis.transitions import transitions
 from naive import transitions as naive
 
 

@@ -12,13 +12,13 @@ import kinesics as kx
 from kinesics.body import kinematics
 from kinesics.body.kinematics import Kinematics
 from kinesics.geometry import quaternion
-from kinesics.synthesis import blending
-from kinesics.synthesis.checking import check
-from kinesics.synthesis.network import network
-from kinesics.synthesis.pelvis import FARTHEST, _turned, turned_for_the_hips
-from kinesics.synthesis.rendering import render
+from kinesics.synthesis.embodiment import blending
+from kinesics.synthesis.embodiment.checking import check
+from kinesics.synthesis.embodiment.pelvis import FARTHEST, _turned, turned_for_the_hips
+from kinesics.synthesis.embodiment.rendering import render
+from kinesics.synthesis.embodiment.stage import Stage
+from kinesics.synthesis.paths.network import network
 from kinesics.synthesis.repertoire import Repertoire, repertoire
-from kinesics.synthesis.stage import Stage
 
 Array = NDArray[np.float64]
 

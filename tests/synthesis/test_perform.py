@@ -21,12 +21,12 @@ from kinesics.formats import read_extras
 from kinesics.grammar import edits
 from kinesics.report.performances import performance_schema
 from kinesics.synthesis import attempts, goals
-from kinesics.synthesis.courses import Course, perform_paths
-from kinesics.synthesis.labels import labelled
-from kinesics.synthesis.network import Network, network
+from kinesics.synthesis.control.courses import Course, perform_paths
+from kinesics.synthesis.embodiment.rendering import Performance, render
+from kinesics.synthesis.paths.labels import labelled
+from kinesics.synthesis.paths.network import Network, network
+from kinesics.synthesis.paths.prospects import prospects
 from kinesics.synthesis.piece import Piece, SourceFacts
-from kinesics.synthesis.prospects import prospects
-from kinesics.synthesis.rendering import Performance, render
 from kinesics.synthesis.repertoire import repertoire
 from kinesics.synthesis.wish import Grammar, Wish, check_names
 

@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 import kinesics as kx
 from kinesics.body import contacts, kinematics
-from kinesics.synthesis import planting
-from kinesics.synthesis.checking import check, slide
-from kinesics.synthesis.network import network
-from kinesics.synthesis.rehearsal import played
-from kinesics.synthesis.rendering import render
+from kinesics.synthesis.embodiment import planting
+from kinesics.synthesis.embodiment.checking import check, slide
+from kinesics.synthesis.embodiment.rehearsal import played
+from kinesics.synthesis.embodiment.rendering import render
+from kinesics.synthesis.embodiment.stage import Stage
+from kinesics.synthesis.paths.network import network
 from kinesics.synthesis.repertoire import Repertoire, repertoire
-from kinesics.synthesis.stage import Stage
 
 Array = NDArray[np.float64]
 

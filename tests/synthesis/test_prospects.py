@@ -9,9 +9,9 @@ import pytest
 
 from floor_networks import Path, floor_network, met, walker
 from kinesics.errors import InputError
-from kinesics.synthesis.network import Network
-from kinesics.synthesis.prospects import Prospects, prospects
-from kinesics.synthesis.trails import trails
+from kinesics.synthesis.paths.network import Network
+from kinesics.synthesis.paths.prospects import Prospects, prospects
+from kinesics.synthesis.paths.trails import trails
 from naive import controller as naive
 
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from bodies import about, moving
 from kinesics.body.motion import Motion
-from kinesics.synthesis.network import network
-from kinesics.synthesis.reach import farther
+from kinesics.synthesis.paths.network import network
+from kinesics.synthesis.paths.reach import farther
 from kinesics.synthesis.repertoire import repertoire
 
 

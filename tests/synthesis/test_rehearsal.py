@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 
 import kinesics as kx
 from kinesics.geometry import quaternion
-from kinesics.synthesis import rehearsal
-from kinesics.synthesis.meeting import meetings, same_soles
-from kinesics.synthesis.network import network
-from kinesics.synthesis.rehearsal import played
-from kinesics.synthesis.rendering import render
+from kinesics.synthesis.embodiment import rehearsal
+from kinesics.synthesis.embodiment.rehearsal import played
+from kinesics.synthesis.embodiment.rendering import render
+from kinesics.synthesis.embodiment.stage import Stage, turn_bodies
+from kinesics.synthesis.paths.meeting import meetings, same_soles
+from kinesics.synthesis.paths.network import network
 from kinesics.synthesis.repertoire import Repertoire, repertoire
-from kinesics.synthesis.stage import Stage, turn_bodies
 
 Array = NDArray[np.float64]
 

@@ -19,13 +19,13 @@ from kinesics.body.contacts import Floor
 from kinesics.body.limits import Capsules
 from kinesics.errors import InputError
 from kinesics.geometry import quaternion
-from kinesics.synthesis import checking, planting, quality
-from kinesics.synthesis.live import LiveRenderer
-from kinesics.synthesis.network import Network, network
-from kinesics.synthesis.ranges import envelope
-from kinesics.synthesis.rendering import render
+from kinesics.synthesis.embodiment import checking, planting, quality
+from kinesics.synthesis.embodiment.ranges import envelope
+from kinesics.synthesis.embodiment.rendering import render
+from kinesics.synthesis.embodiment.stage import BEARING, FLESH, LEAST_TURNING, Stage, turn_bodies
+from kinesics.synthesis.live.renderer import LiveRenderer
+from kinesics.synthesis.paths.network import Network, network
 from kinesics.synthesis.repertoire import repertoire
-from kinesics.synthesis.stage import BEARING, FLESH, LEAST_TURNING, Stage, turn_bodies
 from naive import rendering as naive
 
 

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 import kinesics as kx
-from kinesics.synthesis import goals, transitions
+from kinesics.synthesis import goals
 from kinesics.synthesis import perform as performing
+from kinesics.synthesis.joining import transitions
 from kinesics.synthesis.request import Request
 
 

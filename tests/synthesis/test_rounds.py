@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from floor_networks import FPS, Path, floor_network
-from kinesics.synthesis.courses import Course
-from kinesics.synthesis.network import Network
+from kinesics.synthesis.control.courses import Course
+from kinesics.synthesis.paths.network import Network
 from kinesics.synthesis.rounds import longest_loop, played_most
 
 SHORT, OTHER, LONG = range(3)

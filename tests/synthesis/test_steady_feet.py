@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 import kinesics as kx
 from kinesics.body import kinematics
 from kinesics.geometry import quaternion
+from kinesics.synthesis.embodiment.stage import Stage
+from kinesics.synthesis.embodiment.steady_feet import steady_feet
 from kinesics.synthesis.repertoire import Repertoire, repertoire
-from kinesics.synthesis.stage import Stage
-from kinesics.synthesis.steady_feet import steady_feet
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -10,11 +10,11 @@ import pytest
 
 from floor_networks import Path, floor_network
 from kinesics import compiled
-from kinesics.synthesis.courses import perform_paths
+from kinesics.synthesis.control.courses import perform_paths
 from kinesics.synthesis.goals import Target
-from kinesics.synthesis.network import Network
-from kinesics.synthesis.prospects import prospects
-from kinesics.synthesis.togo import KNOTS, ToGo
+from kinesics.synthesis.paths.network import Network
+from kinesics.synthesis.paths.prospects import prospects
+from kinesics.synthesis.paths.togo import KNOTS, ToGo
 from naive import togo as naive
 
 PACE = 1.25

@@ -15,10 +15,10 @@ from kinesics.errors import InputError
 from kinesics.geometry import quaternion
 from kinesics.similarity import chord
 from kinesics.similarity.metric import paired_distance
-from kinesics.synthesis.limits import WINDOW
+from kinesics.synthesis.joining.limits import WINDOW
+from kinesics.synthesis.joining.seams import BAND
+from kinesics.synthesis.joining.transitions import SPACING, Transitions, transitions
 from kinesics.synthesis.repertoire import repertoire
-from kinesics.synthesis.seams import BAND
-from kinesics.synthesis.transitions import SPACING, Transitions, transitions
 from naive import transitions as naive
 
 

@@ -9,11 +9,11 @@ import pytest
 
 import kinesics as kx
 from kinesics.geometry import quaternion
-from kinesics.synthesis.foresight import Foresight, Stretch
-from kinesics.synthesis.network import Network, network
+from kinesics.synthesis.embodiment.stage import Stage
+from kinesics.synthesis.live.foresight import Foresight, Stretch
+from kinesics.synthesis.live.treading import Treading
+from kinesics.synthesis.paths.network import Network, network
 from kinesics.synthesis.repertoire import repertoire
-from kinesics.synthesis.stage import Stage
-from kinesics.synthesis.treading import Treading
 from naive import treading as naive
 
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from floor_networks import Path, floor_network, walker
-from kinesics.synthesis import ways
-from kinesics.synthesis.network import Network
+from kinesics.synthesis.paths import ways
+from kinesics.synthesis.paths.network import Network
 from naive import controller as naive
 
 

@@ -8,12 +8,12 @@ from bodies import about, moving
 from kinesics.body.motion import Motion
 from kinesics.similarity import check_weights
 from kinesics.synthesis import unused
-from kinesics.synthesis.limits import find_limits
-from kinesics.synthesis.network import network
-from kinesics.synthesis.reach import farther
+from kinesics.synthesis.joining.limits import find_limits
+from kinesics.synthesis.joining.transitions import transitions
+from kinesics.synthesis.joining.widening import WIDER
+from kinesics.synthesis.paths.network import network
+from kinesics.synthesis.paths.reach import farther
 from kinesics.synthesis.repertoire import repertoire
-from kinesics.synthesis.transitions import transitions
-from kinesics.synthesis.widening import WIDER
 
 
 def _three_ways(apart: float, far: float = 1.6) -> Motion:

@@ -17,14 +17,14 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kinesics.synthesis.controller import Controller
-from kinesics.synthesis.courses import Course, perform_paths
-from kinesics.synthesis.laying import Step
-from kinesics.synthesis.network import Network
+from kinesics.synthesis.control.controller import Controller
+from kinesics.synthesis.control.courses import Course, perform_paths
+from kinesics.synthesis.embodiment.rendering import Performance, Provenance, render
+from kinesics.synthesis.paths.laying import Step
+from kinesics.synthesis.paths.network import Network
+from kinesics.synthesis.paths.prospects import Prospects
+from kinesics.synthesis.paths.trails import trails
 from kinesics.synthesis.piece import visits
-from kinesics.synthesis.prospects import Prospects
-from kinesics.synthesis.rendering import Performance, Provenance, render
-from kinesics.synthesis.trails import trails
 from kinesics.synthesis.wish import Detour, Wish
 
 Array = NDArray[np.float64]
@@ -104,7 +104,7 @@ def best_attempt(
 
     Parameters
     ----------
-    seconds, seed, finish, beta, bend, start, ahead : as of `kinesics.synthesis.courses.perform_paths`.
+    seconds, seed, finish, beta, bend, start, ahead : as of `kinesics.synthesis.control.courses.perform_paths`.
     again : whether, where the first does not lead there, others are drawn.
     more_time : whether the later ways and detours may take longer than ``seconds``.
     shorten : whether a way that is far shorter by being bent more is gone, not only told of.

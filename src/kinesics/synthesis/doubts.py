@@ -12,12 +12,12 @@ from kinesics.errors import some_of
 from kinesics.progress import Progress, silent
 from kinesics.synthesis import rounds, staying, unused
 from kinesics.synthesis.attempts import MOST_BEND, Shorter
-from kinesics.synthesis.checking import ROUNDING, SLIDE, SUNK, Slid, steps_of
+from kinesics.synthesis.embodiment.checking import ROUNDING, SLIDE, SUNK, Slid, steps_of
+from kinesics.synthesis.embodiment.stage import FLESH, Stage
 from kinesics.synthesis.goals.states import way_between
+from kinesics.synthesis.paths.prospects import Prospects
 from kinesics.synthesis.piece import SWAY, Piece, distance_to_line, way_of
-from kinesics.synthesis.prospects import Prospects
 from kinesics.synthesis.repertoire import THROWN
-from kinesics.synthesis.stage import FLESH, Stage
 from kinesics.synthesis.wish import HARDLY, MOST_SECONDS, SPARE, Wish
 
 MOSTLY: Final = 0.5

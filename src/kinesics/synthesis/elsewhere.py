@@ -13,16 +13,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.errors import InputError
-from kinesics.synthesis import faults, ways
 from kinesics.synthesis.goals.naming import paths_of, states_of
 from kinesics.synthesis.goals.states import LONGEST
-from kinesics.synthesis.network import part_of
-from kinesics.synthesis.parts import draft, round_about
+from kinesics.synthesis.joining import faults
+from kinesics.synthesis.joining.parts import draft, round_about
+from kinesics.synthesis.joining.transitions import Transitions
+from kinesics.synthesis.paths import ways
+from kinesics.synthesis.paths.network import part_of
 from kinesics.synthesis.repertoire import LEAST_SECONDS, Repertoire
-from kinesics.synthesis.transitions import Transitions
 
 if TYPE_CHECKING:
-    from kinesics.synthesis.network import Network
+    from kinesics.synthesis.paths.network import Network
     from kinesics.synthesis.wish import Wish
 
 Mask = NDArray[np.bool_]

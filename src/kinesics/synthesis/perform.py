@@ -22,18 +22,20 @@ from kinesics.body.motion import Motion
 from kinesics.body.skeleton import Skeleton
 from kinesics.errors import InputError, SkeletonError
 from kinesics.progress import Progress, silent
-from kinesics.synthesis import checking, elsewhere, goals, labels
-from kinesics.synthesis import network as networks
-from kinesics.synthesis.afoot import afoot
+from kinesics.synthesis import elsewhere, goals
 from kinesics.synthesis.attempts import Attempt, best_attempt, performed
-from kinesics.synthesis.controller import BEND, BETA
+from kinesics.synthesis.control.controller import BEND, BETA
 from kinesics.synthesis.doubts import doubts
-from kinesics.synthesis.network import Network
+from kinesics.synthesis.embodiment import checking
+from kinesics.synthesis.embodiment.afoot import afoot
+from kinesics.synthesis.joining.transitions import transitions
+from kinesics.synthesis.paths import labels
+from kinesics.synthesis.paths import network as networks
+from kinesics.synthesis.paths.network import Network
+from kinesics.synthesis.paths.prospects import prospects
 from kinesics.synthesis.piece import Piece, SourceFacts
-from kinesics.synthesis.prospects import prospects
 from kinesics.synthesis.repertoire import LEAST_FPS, repertoire
 from kinesics.synthesis.request import Request
-from kinesics.synthesis.transitions import transitions
 from kinesics.synthesis.wish import HARDLY, Grammar, Wish, check_names, check_states, favoured, names_recordings
 
 if TYPE_CHECKING:

@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.body.motion import Motion
-from kinesics.synthesis.checking import Check
-from kinesics.synthesis.courses import Course
+from kinesics.synthesis.control.courses import Course
+from kinesics.synthesis.embodiment.checking import Check
+from kinesics.synthesis.embodiment.rendering import Performance, Provenance
 from kinesics.synthesis.goals import RADIUS
-from kinesics.synthesis.network import Network
-from kinesics.synthesis.pruning import Pruned
-from kinesics.synthesis.rendering import Performance, Provenance
+from kinesics.synthesis.paths.network import Network
+from kinesics.synthesis.paths.pruning import Pruned
 
 ASIDE: Final = 1.0
 """Metres: who goes further than this from a route, in the median, did not follow it."""

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinesics.errors import InputError
-from kinesics.synthesis.controller import BETA, WIDEST
-from kinesics.synthesis.courses import LONGEST
+from kinesics.synthesis.control.controller import BETA, WIDEST
+from kinesics.synthesis.control.courses import LONGEST
 from kinesics.synthesis.goals.arguments import is_number
 from kinesics.synthesis.repertoire import check_rate
 from kinesics.synthesis.wish import Wish

@@ -7,9 +7,9 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kinesics.synthesis.courses import Course
-from kinesics.synthesis.network import Network
-from kinesics.synthesis.prospects import AT_ONCE
+from kinesics.synthesis.control.courses import Course
+from kinesics.synthesis.paths.network import Network
+from kinesics.synthesis.paths.prospects import AT_ONCE
 from kinesics.synthesis.repertoire import Repertoire
 
 Indices = NDArray[np.intp]

@@ -12,7 +12,7 @@ from kinesics.analysis.stillness import EPSILON
 from kinesics.body.pose import poses
 from kinesics.similarity import check_weights, chord
 from kinesics.similarity.metric import paired_distance
-from kinesics.synthesis.limits import BLEND
+from kinesics.synthesis.joining.limits import BLEND
 from kinesics.synthesis.piece import IN_PLACE, Piece
 from kinesics.synthesis.repertoire import Repertoire
 

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.progress import Progress, silent
-from kinesics.synthesis.network import Network
-from kinesics.synthesis.parts import frames_between
-from kinesics.synthesis.reach import farther
+from kinesics.synthesis.joining.parts import frames_between
+from kinesics.synthesis.paths.network import Network
+from kinesics.synthesis.paths.reach import farther
 
 TRIED: Final = 240.0
 """Seconds of recordings and their images, up to which a larger threshold is tried rather than advised."""
@@ -67,7 +67,7 @@ def too_many(network: Network) -> bool:
 
 
 def larger_threshold(network: Network, progress: Progress = silent) -> Larger | None:
-    """The least threshold that joins most of what can be joined at all (`kinesics.synthesis.reach.farther`); None for none."""
+    """The least threshold that joins most of what can be joined at all (`synthesis.paths.reach.farther`); None for none."""
     found = farther(network, progress)
     return None if found is None else Larger(found.threshold, used(found.network))
 

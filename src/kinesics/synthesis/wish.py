@@ -14,14 +14,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from kinesics.body.motion import Motion
 from kinesics.errors import InputError
-from kinesics.synthesis import goals, labels
+from kinesics.synthesis import goals
 from kinesics.synthesis.goals.arguments import check_name, place_of
 from kinesics.synthesis.goals.favours import FAVOURABLE
 from kinesics.synthesis.goals.naming import unknown, unusable, with_word
 from kinesics.synthesis.goals.pursuit import listed
-from kinesics.synthesis.network import Network
+from kinesics.synthesis.paths import labels
+from kinesics.synthesis.paths.network import Network
+from kinesics.synthesis.paths.prospects import Prospects
 from kinesics.synthesis.piece import ASIDE, aside_of, visits
-from kinesics.synthesis.prospects import Prospects
 from kinesics.vocabulary import MovementClass
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ feature's spread (standard deviation) over all that may be chosen: β = 1 makes 
 than one right on it.
 
 A feature of your own is a function of a motion in `Measured`, or, where paths are to be judged as such, an object of two
-methods, `Feature`. The goals here know composites too (`kinesics.synthesis.prospects`): places along a trail, turned from the
+methods, `Feature`. The goals here know composites too (`kinesics.synthesis.paths.prospects`): places along a trail, turned from the
 performer's heading into the world ([Schultz2012] §4.4.1 with the correction that the displacement turns with the performer,
 and that a far target counts as one within reach in the same direction).
 

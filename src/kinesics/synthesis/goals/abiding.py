@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from kinesics.synthesis.goals.arguments import check_positive, check_weight
 from kinesics.synthesis.goals.pursuit import Pursuit, Situation
-from kinesics.synthesis.prospects import Prospects
+from kinesics.synthesis.paths.prospects import Prospects
 
 if TYPE_CHECKING:
-    from kinesics.synthesis.network import Network
+    from kinesics.synthesis.paths.network import Network
 
 Array = NDArray[np.float64]
 

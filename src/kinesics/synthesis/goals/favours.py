@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 
 from kinesics import compiled
 from kinesics.errors import InputError
-from kinesics.synthesis import ways
 from kinesics.synthesis.goals.arguments import check_name, check_positive, check_weight, is_number
 from kinesics.synthesis.goals.naming import paths_of
 from kinesics.synthesis.goals.pursuit import Feature, Pursuit, Situation
-from kinesics.synthesis.prospects import AT_ONCE, Prospects, shares_of, shares_of_chain
+from kinesics.synthesis.paths import ways
+from kinesics.synthesis.paths.prospects import AT_ONCE, Prospects, shares_of, shares_of_chain
 
 if TYPE_CHECKING:
-    from kinesics.synthesis.network import Network
+    from kinesics.synthesis.paths.network import Network
 
 Array = NDArray[np.float64]
 Floats = NDArray[np.float32]

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from kinesics.synthesis.goals.arguments import check_finite, check_least, check_weight
 from kinesics.synthesis.goals.pursuit import Pursuit, Situation, TrailPursuit
-from kinesics.synthesis.prospects import Prospects
-from kinesics.synthesis.trails import Trail
+from kinesics.synthesis.paths.prospects import Prospects
+from kinesics.synthesis.paths.trails import Trail
 
 if TYPE_CHECKING:
-    from kinesics.synthesis.network import Network
+    from kinesics.synthesis.paths.network import Network
 
 Array = NDArray[np.float64]
 Floats = NDArray[np.float32]

@@ -14,7 +14,7 @@ from kinesics.errors import InputError, some_of
 from kinesics.vocabulary import CLASS_WORDS
 
 if TYPE_CHECKING:
-    from kinesics.synthesis.network import Network
+    from kinesics.synthesis.paths.network import Network
 
 Mask = NDArray[np.bool_]
 
@@ -98,7 +98,7 @@ def unknown(what: str, name: str, known: Iterable[str]) -> str:
     if not there:
         return (
             f"No {what} {name!r}: the paths of this network have no names; "
-            "`kinesics.synthesis.labels.labelled` gives them the grammar's."
+            "`kinesics.synthesis.paths.labels.labelled` gives them the grammar's."
         )
     listed = ", ".join(there[:_LISTED]) + (f" and {len(there) - _LISTED} more" if len(there) > _LISTED else "")
     return f"No {what} {name!r}.{_meant(name, there)} There are: {listed}."

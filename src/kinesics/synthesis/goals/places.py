@@ -1,7 +1,7 @@
 """To a place on the floor, to several one after the other, after something that moves.
 
 For a target that stands still, what is missed is metres from it where it is met and metres that could have been walked
-towards it meanwhile, on the quickest way that the recordings allow (`kinesics.synthesis.togo`): so none is walked round for
+towards it meanwhile, on the quickest way that the recordings allow (`kinesics.synthesis.paths.togo`): so none is walked round for
 ever. One that moves is to be met where it will be.
 """
 
@@ -19,12 +19,12 @@ from kinesics import compiled
 from kinesics.errors import InputError
 from kinesics.synthesis.goals.arguments import as_complex, check_positive, check_weight, line_of, place_of
 from kinesics.synthesis.goals.pursuit import Pursuit, Situation, TrailPursuit
-from kinesics.synthesis.prospects import Prospects
-from kinesics.synthesis.togo import LEAST_RADIUS
-from kinesics.synthesis.trails import Trail
+from kinesics.synthesis.paths.prospects import Prospects
+from kinesics.synthesis.paths.togo import LEAST_RADIUS
+from kinesics.synthesis.paths.trails import Trail
 
 if TYPE_CHECKING:
-    from kinesics.synthesis.network import Network
+    from kinesics.synthesis.paths.network import Network
 
 Array = NDArray[np.float64]
 Floats = NDArray[np.float32]

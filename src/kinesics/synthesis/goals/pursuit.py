@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kinesics.synthesis.prospects import Prospects
-from kinesics.synthesis.trails import Trail
+from kinesics.synthesis.paths.prospects import Prospects
+from kinesics.synthesis.paths.trails import Trail
 
 if TYPE_CHECKING:
-    from kinesics.synthesis.network import Network
+    from kinesics.synthesis.paths.network import Network
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]

@@ -12,11 +12,11 @@ from kinesics.errors import InputError
 from kinesics.synthesis.goals.arguments import check_least, check_weight, line_of
 from kinesics.synthesis.goals.places import HASTE, RADIUS
 from kinesics.synthesis.goals.pursuit import Pursuit, Situation, TrailPursuit
-from kinesics.synthesis.prospects import Prospects
-from kinesics.synthesis.trails import Trail
+from kinesics.synthesis.paths.prospects import Prospects
+from kinesics.synthesis.paths.trails import Trail
 
 if TYPE_CHECKING:
-    from kinesics.synthesis.network import Network
+    from kinesics.synthesis.paths.network import Network
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]

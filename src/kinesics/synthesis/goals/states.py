@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.errors import InputError
-from kinesics.synthesis import faults, ways
 from kinesics.synthesis.goals.arguments import check_least, check_name, check_positive, check_weight
 from kinesics.synthesis.goals.naming import states_of
 from kinesics.synthesis.goals.pursuit import Pursuit, Situation
-from kinesics.synthesis.prospects import Prospects
+from kinesics.synthesis.paths import ways
+from kinesics.synthesis.paths.prospects import Prospects
 
 if TYPE_CHECKING:
-    from kinesics.synthesis.network import Network
+    from kinesics.synthesis.paths.network import Network
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -38,7 +38,7 @@ class StateToState:
     ----------
     begin : state in which the performance begins (underway: to which it goes first).
     end : state in which the way ends.
-    by : "seconds", every transition counting as `kinesics.synthesis.ways.JUMP` seconds and more, so that what was recorded is
+    by : "seconds", every transition counting as `kinesics.synthesis.paths.ways.JUMP` seconds and more, so that what was recorded is
         travelled where it does not take much longer; or "cost" of the transitions (then seconds).
     lead : seconds for which, where the way takes less than `BRIEF`, what leads to its beginning is played before it and what
         follows its end after it, as recorded; not where one is underway.
@@ -83,16 +83,14 @@ def way_between(
         If there is no such state.
     """
     origins, target = states_of(network, begin, "from"), states_of(network, end, "to")
-    return ways.shortest(
-        network, origins, target, by=by, avoiding=faults.of_paths(network) if faulty is None else faulty
-    )
+    return ways.shortest(network, origins, target, by=by, avoiding=network.leaping if faulty is None else faulty)
 
 
 class _ByGraph(Pursuit):
     def __init__(self, network: Network, prospects: Prospects, goal: StateToState) -> None:
         self._network, self._goal = network, goal
         self._begin = states_of(network, goal.begin, "from")
-        faulty = faults.of_paths(network)
+        faulty = network.leaping
         self._way = way_between(network, goal.begin, goal.end, goal.by, faulty)
         if self._way is None:
             raise InputError(f"No way leads from state {goal.begin} to state {goal.end}.")

@@ -1,0 +1,64 @@
+"""What is played live in one frame: turned about the vertical and put in its place ([Schultz2012] §4.4)."""
+
+from __future__ import annotations
+
+import bisect
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinesics.geometry import single
+from kinesics.geometry.single import Quaternion, Vector
+from kinesics.synthesis.embodiment.stage import Stage, frames_of_reach
+from kinesics.synthesis.repertoire import BACKWARD_STRANDS, Repertoire
+
+Array = NDArray[np.float64]
+
+
+class Poses:
+    """Of one performance: what its recordings play, and where."""
+
+    def __init__(self, stage: Stage, own: Repertoire) -> None:
+        self.carrier = stage.carrier
+        self.own = own
+        """As it is played: `kinesics.synthesis.embodiment.rehearsal.played`."""
+        self.reach = frames_of_reach(own.fps)
+        # joints that the body's carrier hangs on, from the root on
+        self._above: list[int] = []
+        joint = stage.carrier
+        while joint > 0:
+            joint = own.skeleton.parents[joint]
+            self._above.insert(0, joint)
+        self._starts = own.starts.tolist()
+
+    def at(self, image: int, frame: int, turn: float, place: complex) -> tuple[Array, Vector]:
+        """What is performed in a frame, turned and put in its place: rotations (joints, 4), and where the root is."""
+        own = self.own
+        rotations = own.rotations[image, frame].copy()
+        root: Vector = (place.imag, float(own.root_positions[image, frame, 1]), place.real)
+        rotations[self.carrier] = self.faced(rotations, turn)
+        return rotations, root
+
+    def faced(self, rotations: Array, turn: float) -> Quaternion:
+        """The rotation of the joint that a body hangs on, turned about the vertical: see `turn_bodies`."""
+        yaw: Quaternion = (math.cos(0.5 * turn), 0.0, math.sin(0.5 * turn), 0.0)
+        if self._above:
+            above, *others = (_plain(rotations[joint]) for joint in self._above)
+            for q in others:
+                above = single.multiply(above, q)
+            yaw = single.undo(above, single.multiply(yaw, above))
+        return single.multiply(yaw, _plain(rotations[self.carrier]))
+
+    def around(self, moment: int) -> tuple[int, list[int]]:
+        """Which image a moment plays, and the frames before, at and after it, −1 where its recording does not reach."""
+        strand, frame = divmod(moment, self.own.frame_count)
+        k = bisect.bisect_right(self._starts, frame)
+        step = -self.reach if BACKWARD_STRANDS[strand] else self.reach
+        inside = range(self._starts[k - 1], self._starts[k])
+        return strand % 2, [f if f in inside else -1 for f in (frame - step, frame, frame + step)]
+
+
+def _plain(rotation: Array) -> Quaternion:
+    w, x, y, z = rotation.tolist()
+    return w, x, y, z
