@@ -16,7 +16,9 @@ import kinesics as kx
 from kinesics.body.skeleton import Skeleton
 from kinesics.errors import InputError
 from kinesics.geometry import quaternion
+from kinesics.synthesis.control import controller as controlling
 from kinesics.synthesis.control.controller import Controller
+from kinesics.synthesis.control.weighing import Weighing
 from kinesics.synthesis.embodiment import blending, quality
 from kinesics.synthesis.embodiment.rehearsal import played
 from kinesics.synthesis.embodiment.rendering import render
@@ -27,6 +29,7 @@ from kinesics.synthesis.live.cuts import Crossing, Cuts
 from kinesics.synthesis.live.poses import Poses
 from kinesics.synthesis.live.renderer import LiveRenderer, performed
 from kinesics.synthesis.live.treading import Treading
+from kinesics.synthesis.paths import prospects as prospects_of
 from kinesics.synthesis.paths.network import Network, network
 from kinesics.synthesis.repertoire import repertoire
 
@@ -306,6 +309,31 @@ def test_knees_of_real_walkers_do_not_snap(shared_data: Path, names: list[str]) 
     knees, ankles = snaps(network(repertoire(walks)), 0, 15.0)
     assert knees < 1.1
     assert ankles < 1.2
+
+
+def test_steps_compute_no_tables(made: Network, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither the first step nor one after another wish: where to begin was weighed, and how long targets take, before; also for
+    targets of another radius, where that was prepared.
+    """
+
+    def refused(*_: object) -> None:
+        raise AssertionError("computed during a step")
+
+    controller = Controller(made, MovingTarget(lambda t: (np.sin(t), np.cos(t))), seed=1)
+    live = LiveRenderer(made, controller)
+    controller.prepare(Target((0.0, 0.0), radius=0.3))
+    controller.pursue(Target((1.0, 1.0)))
+    monkeypatch.setattr(prospects_of, "to_go", refused)
+    for name in ("Stop", "Laying"):
+        monkeypatch.setattr(controlling, name, refused)
+    monkeypatch.setattr(Weighing, "opening", refused)
+    for goal in (None, Target((3.0, 3.0)), Target((-2.0, 3.0), radius=0.3), [Novelty(0.1), Economy(0.1)]):
+        for _ in range(30):
+            next(live)
+        controller.pursue(goal)
+    next(live)
+    with pytest.raises(AssertionError, match="computed"):
+        controller.pursue(Target((1.0, 1.0), radius=0.2))
 
 
 @pytest.mark.parametrize("done", [1, 2, 3])

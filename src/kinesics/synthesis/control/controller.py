@@ -32,7 +32,7 @@ from kinesics.errors import InputError
 from kinesics.synthesis.control.intentions import Composite, Intentions
 from kinesics.synthesis.control.stopping import Stop
 from kinesics.synthesis.control.weighing import Row, Weighing, drawn
-from kinesics.synthesis.goals import Feature, Goal, OwnFeature, Pursuit, Situation, ToPlaces, TrailPursuit
+from kinesics.synthesis.goals import Feature, Goal, OwnFeature, Pursuit, Situation, Target, ToPlaces, TrailPursuit
 from kinesics.synthesis.goals.pursuit import listed
 from kinesics.synthesis.paths.laying import Laying, Step
 from kinesics.synthesis.paths.prospects import LOOKAHEAD, Prospects, prospects
@@ -159,7 +159,33 @@ class Controller:
         self.pursue(goal)
 
     def pursue(self, goal: Goal | Feature | Sequence[Goal | Feature] | None) -> None:
-        """Wish for something else from the next decision on. Raises InputError if it cannot be pursued here."""
+        """Wish for something else from the next decision on.
+
+        Whatever the decisions need is computed here and kept, so that none of them waits for it. Most wishes need a fraction of
+        a millisecond. The first target of a radius asks for the seconds to go to it, up to a second of work on some hundred
+        paths: `prepare` does that beforehand (`choices` does it for targets of the usual radius). Before anything is performed,
+        where to begin is weighed here, too.
+
+        Raises
+        ------
+        InputError
+            If it cannot be pursued here.
+        """
+        pursuits = self._ready(goal)
+        self._pursuits, self._queue, self._braking, self._intention = pursuits, [], False, None
+        self._weighing.pursuits = pursuits
+        if self.now.path < 0:
+            self._begins = self._opening()
+
+    def prepare(self, goal: Goal | Feature | Sequence[Goal | Feature] | None) -> None:
+        """Compute what `pursue` would have to for such a wish, to be kept: it is then taken up at once.
+
+        Targets want the same wherever they are, if their radius is the same. Raises InputError if it cannot be pursued here.
+        """
+        self._ready(goal)
+
+    def _ready(self, goal: Goal | Feature | Sequence[Goal | Feature] | None) -> list[Pursuit]:
+        """What pursues a wish, all computed that decisions ask for."""
         pursuits: list[Pursuit] = []
         for one in listed(goal):
             if hasattr(one, "pursuit"):
@@ -172,11 +198,9 @@ class Controller:
                 )
         for pursuit in pursuits:
             pursuit.prepare(self._weighing.bend_of(pursuit))
-        self._pursuits, self._queue, self._braking, self._intention = pursuits, [], False, None
-        self._weighing.pursuits = pursuits
         if self._stand and self._stopping is None and any(isinstance(p, ToPlaces) for p in pursuits):
-            stop = Stop(self.network, self._laying)
-            self._stopping = stop if stop.possible else None
+            self._stopping = Stop(self.network, self._laying)
+        return pursuits
 
     @property
     def attained(self) -> bool:
@@ -190,7 +214,10 @@ class Controller:
         """Whether the goals are attained and the performer, if it is to stand, stands."""
         if not self.attained or self._queue:
             return False
-        return self._stopping is None or self._last_target() is None or bool(self._stopping.still[self.now.path])
+        stop = self._stopping
+        if stop is None or not stop.possible or self._last_target() is None:
+            return True
+        return bool(stop.still[self.now.path])
 
     def outcome(self) -> tuple[str, ...]:
         """What came of each goal so far, in words."""
@@ -200,7 +227,7 @@ class Controller:
     def transition(self) -> Transition:
         """The row of P for the next decision."""
         if self.now.path < 0:
-            return self._opening()
+            return self._begins
         weighing, now = self._weighing, self.now
         row = weighing.row(now, weighing.misses(now), weighing.planned(self._intention, now))
         return Transition(row.paths, row.probabilities)
@@ -226,9 +253,10 @@ class Controller:
 
         Each decision is made in parts, None after each but the last, so that none takes long. Whatever is wished for
         meanwhile (`pursue`) counts: it is then thought over anew. The paths are those of `step`. Tables that decisions ask for
-        are computed now.
+        are computed now, those for targets of the usual radius included.
         """
         self.prospects.fill()
+        self.prepare(Target((0.0, 0.0)))
         return self._chosen()
 
     def _chosen(self) -> Iterator[tuple[int, float] | None]:
@@ -307,9 +335,9 @@ class Controller:
         if self._queue:
             return self._queue.pop(0)
         if now.path < 0:
-            return drawn(self._opening().probabilities, self._rng)
+            return drawn(self._begins.probabilities, self._rng)
         stop, goal = self._stopping, self._last_target()
-        if stop is not None and goal is not None:
+        if stop is not None and stop.possible and goal is not None:
             self._braking = self._braking or goal.done(now) or stop.ends_at(now, goal)
             if self._braking:
                 return stop.next(now, self._rng)

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import gc
 import math
 import operator
 from collections import deque
@@ -85,6 +86,8 @@ class LiveRenderer:
         before has ended, and feet and transitions begin late. Asking for a path and getting ready for it are done in frames
         of their own, where there is time.
 
+    All tables are made here, those of a controller included, so that no step waits for them, not even the first.
+
     Raises
     ------
     InputError
@@ -143,6 +146,8 @@ class LiveRenderer:
         self._hurried = max(_SHORTLY, self._ahead // 2)
         self._frame = self._reaches = 0
         self._blends: list[Blend] = []
+        # what getting ready has made is looked through now, not by the first collections of garbage during steps
+        gc.collect(1)
 
     @property
     def place(self) -> Array:
