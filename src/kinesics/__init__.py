@@ -37,6 +37,9 @@ if TYPE_CHECKING:
     from kinesics.similarity import distance as distance
     from kinesics.similarity import mirror_distance as mirror_distance
     from kinesics.similarity import similarity as similarity
+    from kinesics.synthesis.avatar import Avatar as Avatar
+    from kinesics.synthesis.material import Material as Material
+    from kinesics.synthesis.material import prepare as prepare
     from kinesics.synthesis.perform import perform as perform
     from kinesics.synthesis.perform import performance as performance
 
@@ -44,8 +47,10 @@ __version__ = "0.1.0"
 
 _HOME = {
     "Analysis": "kinesics.analysis",
+    "Avatar": "kinesics.synthesis.avatar",
     "InputError": "kinesics.errors",
     "KinesicsError": "kinesics.errors",
+    "Material": "kinesics.synthesis.material",
     "Motion": "kinesics.body.motion",
     "PoseSequence": "kinesics.body.pose",
     "Similarity": "kinesics.similarity",
@@ -60,6 +65,7 @@ _HOME = {
     "perform": "kinesics.synthesis.perform",
     "performance": "kinesics.synthesis.perform",
     "poses": "kinesics.body.pose",
+    "prepare": "kinesics.synthesis.material",
     "read": "kinesics.formats",
     "reverse": "kinesics.body.motion",
     "save": "kinesics.report",

@@ -11,7 +11,7 @@ import pytest
 
 import kinesics as kx
 from kinesics.synthesis import goals
-from kinesics.synthesis import perform as performing
+from kinesics.synthesis import material as materials
 from kinesics.synthesis.joining import transitions
 from kinesics.synthesis.request import Request
 
@@ -97,7 +97,7 @@ def test_an_unknown_state_is_told_before_transitions_are_looked_for(monkeypatch:
     def looked_for(*_: Any, **__: Any) -> transitions.Transitions:
         raise AssertionError("transitions were looked for")
 
-    monkeypatch.setattr(performing, "transitions", looked_for)
+    monkeypatch.setattr(materials, "transitions", looked_for)
     for asked in ({"from_state": "Q"}, {"from_state": "A", "to_state": "Q"}):
         with pytest.raises(kx.InputError, match=r"'Q'.* There are: A, A"):
             kx.perform(walk, **asked)  # type: ignore[arg-type]

@@ -3,7 +3,7 @@
 Written are one node for each joint, one animation with a key for every frame, and, where the skeleton is understood as a
 human body, the skinned mesh of `kinesics.body.figure`. A skeleton that is none goes out as bare nodes, and a remark says so.
 The specification is that of Khronos, "glTF 2.0 Specification" (2021). What it has no word for, the tips of leaf joints and the
-exact frame rate, is kept in ``extras``, where the format has room for anything.
+exact frame rate, is kept in ``extras``, where the format has room for anything; joint limits are not kept.
 
 Numbers in glTF are of single precision: positions within 10 m come back to less than a micrometre.
 """
@@ -77,8 +77,6 @@ def write(motion: Motion, path: Path) -> Written:
         data = document.gltf_to_json().encode()
     else:
         data = b"".join(bytes(part) for part in document.save_to_bytes())
-    if motion.skeleton.freedoms and any(f.limits for f in motion.skeleton.freedoms):
-        remarks.append("glTF cannot hold joint limits: left out")
     return Written(((path, data),), tuple(remarks))
 
 

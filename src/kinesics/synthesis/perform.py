@@ -9,45 +9,34 @@ from __future__ import annotations
 import dataclasses
 import functools
 import inspect
-import warnings
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from os import PathLike
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ParamSpec
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from kinesics.body import anatomy
 from kinesics.body.motion import Motion
 from kinesics.body.skeleton import Skeleton
-from kinesics.errors import InputError, SkeletonError
 from kinesics.progress import Progress, silent
 from kinesics.synthesis import elsewhere, goals
 from kinesics.synthesis.attempts import Attempt, best_attempt, performed
 from kinesics.synthesis.control.controller import BEND, BETA
 from kinesics.synthesis.doubts import doubts
 from kinesics.synthesis.embodiment import checking
-from kinesics.synthesis.embodiment.afoot import afoot
-from kinesics.synthesis.joining.transitions import transitions
-from kinesics.synthesis.paths import labels
-from kinesics.synthesis.paths import network as networks
+from kinesics.synthesis.material import Material, beginning
 from kinesics.synthesis.paths.network import Network
-from kinesics.synthesis.paths.prospects import prospects
 from kinesics.synthesis.piece import Piece, SourceFacts
-from kinesics.synthesis.repertoire import LEAST_FPS, repertoire
 from kinesics.synthesis.request import Request
-from kinesics.synthesis.wish import HARDLY, Grammar, Wish, check_names, check_states, favoured, names_recordings
+from kinesics.synthesis.wish import HARDLY, favoured
 
 if TYPE_CHECKING:
     from kinesics.grammar.edits import Edits
     from kinesics.synthesis.goals import Feature, Goal
 
 P = ParamSpec("P")
-Mask = NDArray[np.bool_]
 
 
 def performance(
-    motions: Motion | Sequence[Motion],
+    motions: Motion | Sequence[Motion] | Material,
     *,
     target: ArrayLike | None = None,
     radius: float | None = None,
@@ -61,8 +50,8 @@ def performance(
     seed: int = 0,
     beta: float = BETA,
     bend: float | None = None,
-    mirrored: bool = True,
-    backwards: bool = False,
+    mirrored: bool | None = None,
+    backwards: bool | None = None,
     skeleton: Skeleton | Motion | None = None,
     fps: float | None = None,
     threshold: float | None = None,
@@ -79,6 +68,7 @@ def performance(
     Parameters
     ----------
     motions : recordings to perform from; one alone will do. Skeletons and frame rates may differ. What is given twice is used once.
+        Or what `kinesics.prepare` made of them: most of the work is done then, for any number of performances.
     target : x, z in metres from where the performer starts, facing +z.
     radius : how near to the target counts as there, metres; .5 unless given.
     route : corners of a line on the floor to follow, shape (n, 2), x and z in metres from where the performer starts.
@@ -100,10 +90,10 @@ def performance(
     beta : how strictly the goal decides, from a stroll (0) to a beeline (infinite).
     bend : by how much the way may be bent towards the goal, degrees a metre. Unless given 5, and more where the way to a target
         becomes far shorter by it.
-    mirrored : whether mirror images of the recordings may be performed.
-    backwards : whether the recordings may be performed backwards, too: where the movement can be passed into from one that runs
-        forwards, pose and velocity alike, as a reversible path can ([Schultz2012] §3.5). Nothing asks whether gravity allows it:
-        a jump played backwards looks like none.
+    mirrored : whether mirror images of the recordings may be performed; they may unless given.
+    backwards : whether the recordings may be performed backwards, too, which they may not unless given: where the movement can be
+        passed into from one that runs forwards, pose and velocity alike, as a reversible path can ([Schultz2012] §3.5). Nothing
+        asks whether gravity allows it: a jump played backwards looks like none.
     skeleton, fps : of the result; those of the first recording unless given. For the skeleton a recording on it will do, and
         what its rest pose alone does not tell is seen there.
     threshold : largest mean D of a transition; found from the recordings unless given, larger than usual where most of them
@@ -117,7 +107,8 @@ def performance(
     InputError
         If there is no recording, all are single poses (one beside others is left out, which is among the warnings) or of fewer
         than 8 frames a second, nothing recurs so that there are no transitions, goals contradict
-        each other or cannot be pursued here, a state is unknown, or a number is out of range.
+        each other or cannot be pursued here, a state is unknown, a number is out of range, or what the recordings were prepared for
+        is contradicted.
     SkeletonError
         If a skeleton cannot be understood as a human body; the message says which recording.
     """
@@ -166,7 +157,7 @@ perform = _motion_of(performance)
 
 
 def fulfil(
-    motions: Motion | Sequence[Motion],
+    motions: Motion | Sequence[Motion] | Material,
     asked: Request,
     *,
     skeleton: Skeleton | Motion | None = None,
@@ -175,40 +166,27 @@ def fulfil(
     progress: Progress = silent,
 ) -> Piece:
     """What is asked for, from recordings: `performance`, for those who have checked what is asked before they read any."""
-    given, twice = _given(motions, mapping)
-    given, left_out = _usable(given)
     progress(0.0, "bringing the recordings together")
-    stock = repertoire(given, skeleton=skeleton, fps=asked.fps, mirrored=asked.mirrored, backwards=asked.backwards)
-    wish, seed, seconds = asked.wish.by_name(given, stock.names), asked.whole_seed, asked.seconds
-    grammar = _grammar(given, wish, stock.names, edits, lambda f, message="": progress(0.1 + 0.1 * f, message))
-    if grammar is not None:
-        check_states(wish, grammar.graph)
-    lead = goals.LEAD if wish.to_state is not None else 0.0
-    seams = () if grammar is None or wish.from_state is None else labels.state_seams(stock, grammar.graph, lead)
-    found = transitions(
-        stock, threshold=asked.threshold, progress=lambda f, message="": progress(0.2 + 0.39 * f, message)
+    material = (
+        motions
+        if isinstance(motions, Material)
+        else Material(
+            motions,
+            skeleton=skeleton,
+            fps=asked.fps,
+            mirrored=True if asked.mirrored is None else asked.mirrored,
+            backwards=bool(asked.backwards),
+            threshold=asked.threshold,
+            mapping=mapping,
+            edits=edits,
+        )
     )
-
-    def made(holding: Mask | None) -> Network:
-        with warnings.catch_warnings():
-            # what was pruned is told in the result
-            warnings.simplefilter("ignore", UserWarning)
-            net = networks.network(stock, transitions=found, seams=seams, holding=holding)
-        return net if grammar is None else labels.labelled(net, grammar.graph, grammar.phrases, at_states=True)
-
-    def everything() -> Network:
-        assert grammar is not None, "states are asked for"
-        return labels.labelled(networks.everything(found, seams), grammar.graph, grammar.phrases, at_states=True)
-
-    largest = made(None)
-    part = elsewhere.serving(largest, wish, found, made)
-    serving = elsewhere.way_there(part, wish, everything)
-    if grammar is not None:
-        check_names(serving, wish, grammar)
-    net = afoot(serving)
-    start = _start(net, wish, seed)
-    progress(0.6, "looking ahead")
-    ahead = prospects(net)
+    asked = material.agreed(asked, skeleton, mapping, edits)
+    stock, seed, seconds = material.repertoire, asked.whole_seed, asked.seconds
+    wish, largest, serving, only_ways, net, ahead = material.ground(
+        asked.wish, lambda share, message="": progress(0.1 + 0.65 * share, message)
+    )
+    start = beginning(net, wish, seed)
     most = wish.most_seconds(ahead, seconds, asked.linger)
     best = best_attempt(
         net,
@@ -234,13 +212,13 @@ def fulfil(
         "fps": stock.fps,
     }
     motion = done.motion.replace(
-        assumptions=(*twice, *stock.assumptions, *favoured(net, wish), *_chosen(net, parameters, best)),
+        assumptions=(*material.twice, *stock.assumptions, *favoured(net, wish), *_chosen(net, parameters, best)),
     )
     facts = tuple(
         SourceFacts(
             m.source.file_name or name, m.source.sha256 or None, m.source.format or None, m.frame_count, float(m.fps)
         )
-        for m, name in zip(given, stock.names, strict=True)
+        for m, name in zip(material.recordings, stock.names, strict=True)
     )
     progress(0.9, "checking what was performed")
     done = dataclasses.replace(done, motion=motion)
@@ -255,9 +233,9 @@ def fulfil(
         wish.radius or goals.RADIUS,
     )
     told = (
-        left_out
+        material.left_out
         + stock.warnings
-        + elsewhere.told(serving, largest, wish, only_ways=serving is not part, linger=asked.linger)
+        + elsewhere.told(serving, largest, wish, only_ways=only_ways, linger=asked.linger)
         + doubts(
             piece,
             wish,
@@ -271,104 +249,6 @@ def fulfil(
     )
     progress(1.0, "performed")
     return dataclasses.replace(piece, performance=dataclasses.replace(done, motion=motion.replace(warnings=told)))
-
-
-def _given(
-    motions: Motion | Sequence[Motion], mapping: Mapping[str, object] | None
-) -> tuple[list[Motion], tuple[str, ...]]:
-    """Each recording once, understood by the user's mapping; and what was left out for having been given before."""
-    if isinstance(motions, str | PathLike) or not isinstance(motions, Motion | Iterable):
-        raise InputError(f"Expected motions to perform from, got {type(motions).__name__}{_read_first(motions)}.")
-    given = [motions] if isinstance(motions, Motion) else list(motions)
-    for k, motion in enumerate(given):
-        if not isinstance(motion, Motion):
-            raise InputError(
-                f"Expected motions to perform from, got {type(motion).__name__} as number {k + 1}{_read_first(motion)}."
-            )
-    if mapping:
-        for k, motion in enumerate(given):
-            try:
-                given[k] = anatomy.understood(motion, mapping)
-            except SkeletonError as error:
-                name = motion.source.file_name or motion.name or f"recording {k + 1}"
-                raise SkeletonError(f"{name}: {error}", found=error.found, missing=error.missing) from error
-    once: list[Motion] = []
-    said: list[str] = []
-    for motion in given:
-        same = next((other for other in once if _same(motion, other)), None)
-        if same is None:
-            once.append(motion)
-            continue
-        name, first = (m.source.file_name or m.name or "a recording" for m in (motion, same))
-        said.append(
-            f"{name} was given more than once: used once"
-            if name == first
-            else f"{name} holds the very movement of {first}: used once, as {first}"
-        )
-    return once, tuple(dict.fromkeys(said))
-
-
-def _usable(motions: list[Motion]) -> tuple[list[Motion], tuple[str, ...]]:
-    """Those that something can be performed of, and which are left out, and why; all of them where none can."""
-    kept: list[Motion] = []
-    said: list[str] = []
-    for k, motion in enumerate(motions):
-        name = motion.source.file_name or motion.name or f"recording {k + 1}"
-        if motion.frame_count < 2:
-            said.append(f"{name} is left out: a single pose, in which nothing moves")
-        elif motion.fps < LEAST_FPS:
-            said.append(
-                f"{name} is left out: it has {motion.fps:g} frames a second, fewer than the {LEAST_FPS:g} it takes to perform; if "
-                "the file is wrong about its rate, read it with the right one (`kinesics.read(…, fps=…)`)"
-            )
-        else:
-            kept.append(motion)
-    return (kept, tuple(said)) if kept else (motions, ())
-
-
-def _read_first(given: object) -> str:
-    return ": read the file first, kx.read(…)" if isinstance(given, str | PathLike) else ""
-
-
-def _same(a: Motion, b: Motion) -> bool:
-    """Whether two recordings are one, to the last bit."""
-    if a is b:
-        return True
-    if a.fps != b.fps or a.rotations.shape != b.rotations.shape or not a.skeleton.same_tree(b.skeleton):
-        return False
-    pairs = [
-        (a.skeleton.offsets, b.skeleton.offsets),
-        (a.root_positions, b.root_positions),
-        (a.rotations, b.rotations),
-        (a.joint_translations, b.joint_translations),
-    ]
-    return all(x is y or (x is not None and y is not None and np.array_equal(x, y)) for x, y in pairs)
-
-
-def _grammar(
-    motions: Sequence[Motion], wish: Wish, names: Sequence[str], edits: Edits | None, progress: Progress
-) -> Grammar | None:
-    """What the recordings say of states, paths and classes; None where nobody asks."""
-    if wish.favour is not None and not names_recordings(wish.favour, names, edits):
-        from kinesics.analysis import analyze
-
-        progress(0.0, "reading the grammar")
-        read = analyze(motions, edits=edits, progress=progress)
-        return Grammar(read.graph, read.phrases)
-    if wish.from_state is not None:
-        from kinesics.analysis import joint
-
-        progress(0.0, "reading the grammar")
-        return Grammar(joint.graph(motions, edits=edits, progress=progress), ())
-    return None
-
-
-def _start(net: Network, wish: Wish, seed: int) -> int | None:
-    """A path that begins in the state wished for; None if the way itself, or the draw, decides."""
-    if wish.from_state is None or wish.to_state is not None:
-        return None
-    begins = np.flatnonzero(goals.states_of(net, wish.from_state, "from"))
-    return int(np.random.default_rng(seed).choice(begins))
 
 
 def _why_bent(best: Attempt, asked: float) -> str:

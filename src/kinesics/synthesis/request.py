@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Request:
-    """What is asked for; see `kinesics.performance`, whose parameters these are.
+    """What is asked for; see `kinesics.performance`, whose parameters these are. None: as the recordings were prepared.
 
     Raises
     ------
@@ -45,8 +45,8 @@ class Request:
     seed: int = 0
     beta: float = BETA
     bend: float | None = None
-    mirrored: bool = True
-    backwards: bool = False
+    mirrored: bool | None = None
+    backwards: bool | None = None
     fps: float | None = None
     threshold: float | None = None
 
@@ -54,7 +54,7 @@ class Request:
         """Check all of it."""
         for name in ("linger", "mirrored", "backwards"):
             value = getattr(self, name)
-            if not isinstance(value, bool | np.bool_):
+            if not isinstance(value, bool | np.bool_) and (name == "linger" or value is not None):
                 raise InputError(f"Expected `{name}` to be True or False, got {value!r}.")
         if self.radius is not None and not (is_number(self.radius) and self.radius > 0.0):
             raise InputError(f"Expected `radius` (--within) in metres, above 0, got {self.radius!r}.")

@@ -104,12 +104,12 @@ class Wish:
     @classmethod
     def of(
         cls,
-        target: ArrayLike | None,
-        route: ArrayLike | None,
-        from_state: str | None,
-        to_state: str | None,
-        favour: str | None,
-        goal: Goal | Feature | Sequence[Goal | Feature] | None,
+        target: ArrayLike | None = None,
+        route: ArrayLike | None = None,
+        from_state: str | None = None,
+        to_state: str | None = None,
+        favour: str | None = None,
+        goal: Goal | Feature | Sequence[Goal | Feature] | None = None,
         radius: float | None = None,
     ) -> Wish:
         """From the arguments of `kinesics.perform`.
