@@ -74,14 +74,57 @@ def test_a_second_movement_of_the_same_name_is_told_whose_provenance_lies_there(
     got = kinesics("perform", walk, "--out", "new.glb", "--seconds", "1")
     assert got.code == 2
     assert "belongs to" not in got.err
-    (tmp_path / "new.bvh").write_text("", encoding="utf-8")
+    (tmp_path / "new.provenance.json").unlink()
+    assert kinesics("perform", walk, "--out", "new.bvh", "--seconds", "1").code == 0
+    before = {file.name: file.read_bytes() for file in tmp_path.iterdir()}
     got = kinesics("perform", walk, "--out", "new.glb", "--seconds", "1")
     assert got.code == 2
     told = " ".join(got.err.split())
     assert "belongs to 'new.bvh'" in told
     assert "such as 'new-2.glb'" in told
     assert "--out new.bvh --out new.glb" in told
-    assert not (tmp_path / "new.glb").exists()
+    again = kinesics("perform", walk, "--out", "new.glb", "--seconds", "1", "--seed", 2, "--overwrite")
+    assert again.code == 2
+    told = " ".join(again.err.split())
+    assert "belongs to 'new.bvh'" in told
+    assert "--out new.bvh --out new.glb, which replaces all of them" in told
+    assert {file.name: file.read_bytes() for file in tmp_path.iterdir()} == before
+    both = ("--out", "new.bvh", "--out", "new.glb", "--overwrite")
+    assert kinesics("perform", walk, *both, "--seconds", "1", "--seed", 2).code == 0
+    facts = json.loads((tmp_path / "new.provenance.json").read_text(encoding="utf-8"))
+    assert facts["output"]["files"] == ["new.bvh", "new.glb"]
+    # what stays would be without its own
+    assert kinesics("perform", walk, "--out", "new.bvh", "--seconds", "1", "--overwrite").code == 2
+    (tmp_path / "new.glb").unlink()
+    assert kinesics("perform", walk, "--out", "new.bvh", "--seconds", "1", "--overwrite").code == 0
+
+
+@pytest.mark.parametrize(
+    ("mine", "out"), [("new.png", "new.bvh"), ("new.asf", "new.amc"), ("new.provenance.json", "new.npz")]
+)
+def test_what_no_performance_left_is_not_written_over(
+    kinesics: Kinesics, walk: Path, tmp_path: Path, mine: str, out: str
+) -> None:
+    """Whoever lets a movement be replaced has not spoken of a picture, or a skeleton, of that name."""
+    (tmp_path / mine).write_text("mine", encoding="utf-8")
+    got = kinesics("perform", walk, "--out", out, "--seconds", "1", "--overwrite")
+    assert got.code == 2
+    told = " ".join(got.err.split())
+    assert f"'{mine}' is there already" in told
+    assert "no performance left it" in told
+    assert files(tmp_path) == {mine}
+    assert (tmp_path / mine).read_text(encoding="utf-8") == "mine"
+
+
+def test_a_recording_beside_which_one_performs_is_no_performance(
+    kinesics: Kinesics, walk: Path, tmp_path: Path
+) -> None:
+    """A movement of the recording's own name in another format may be made anew as often as one likes."""
+    own = tmp_path / "own.bvh"
+    own.write_bytes(walk.read_bytes())
+    for _ in range(2):
+        assert kinesics("perform", own, "--out", "own.glb", "--seconds", "1", "--overwrite").code == 0
+    assert own.read_bytes() == walk.read_bytes()
 
 
 def test_one_movement_in_several_formats(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
@@ -105,8 +148,14 @@ def test_one_movement_in_several_formats(kinesics: Kinesics, walk: Path, tmp_pat
     (tmp_path / "alone").mkdir()
     alone = kinesics("perform", walk, "--seconds", "2", "--out", "alone/new.glb")
     assert alone.code == 0, alone.err
-    for name in ("new.glb", *beside):
+    for name in ("new.glb", "new.png"):
         assert (tmp_path / "alone" / name).read_bytes() == (tmp_path / name).read_bytes()
+    told, told_alone = (
+        json.loads((tmp_path / folder / "new.provenance.json").read_text(encoding="utf-8")) for folder in (".", "alone")
+    )
+    assert told["output"].pop("files") == ["new.bvh", "new.glb", "new.npz", "new.amc"]
+    assert told_alone["output"].pop("files") == ["new.glb"]
+    assert told == told_alone
 
 
 @pytest.mark.parametrize("bad", ["new.mp4", "new", "nowhere/new.bvh", "there.npz", ".", "walk.bvh"])
@@ -162,7 +211,7 @@ def test_a_format_that_fails_leaves_nothing_of_the_others(
 def test_the_skeleton_of_a_recording_is_not_written_over(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
     """An .amc leaves an .asf: never in the place of the one that was read, whatever may be replaced."""
     kx.write(kx.read(walk), tmp_path / "07.amc")
-    (tmp_path / "07.amc").rename(tmp_path / "07_01.amc")
+    (tmp_path / "07_01.amc").write_bytes((tmp_path / "07.amc").read_bytes())
     before = (tmp_path / "07.asf").read_bytes()
     got = kinesics("perform", "07_01.amc", "--seconds", "1", "--out", "07.amc", "--overwrite")
     assert got.code == 2

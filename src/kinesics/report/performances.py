@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from kinesics import formats, plotting
 from kinesics.body.contacts import runs
-from kinesics.errors import FileError, InputError, MissingExtraError
+from kinesics.errors import FileError, InputError, MissingExtraError, some_of
 from kinesics.plotting import letters
 from kinesics.plotting.canvas import figure_bytes
 from kinesics.progress import Progress, silent
@@ -56,7 +56,8 @@ def check_output(paths: Paths, *, overwrite: bool = False) -> None:
     MissingExtraError
         If a film is wished for.
     InputError
-        If a suffix belongs to no format, a folder does not exist, or a file is there and may not be replaced.
+        If a suffix belongs to no format, a folder does not exist, or a file is there and may not be replaced: unless ``overwrite``
+        none may, and even then nothing that no performance left, nor the provenance and picture of a movement that stays.
     """
     targets = _targets(paths)
     for target in targets:
@@ -103,31 +104,58 @@ def _check_suffix(target: Path) -> None:
 
 
 def _check_free(target: Path, targets: Sequence[Path], overwrite: bool) -> None:
-    """Refuse what is there already."""
+    """Refuse what is there already; and, whatever may be replaced, to take from a movement that stays what belongs to it."""
     _, *beside = files_of(target)
     suffix = target.suffix.lower()
     more = [target.with_suffix(".asf")] if suffix == ".amc" else []
     for there in (target, *more, *beside):
         if there.is_dir():
             raise InputError(f"'{there}' is a folder; give another name.")
-        if there.exists() and not overwrite:
-            whose = _movement_of(there, targets) if there in beside else None
-            if whose is not None:
-                raise InputError(
-                    f"'{there.name}' is there already, in '{there.parent}', and belongs to '{whose}': '{target.name}' would "
-                    f"leave its own in its place. Nothing was performed. Give another name, such as '{target.stem}-2{suffix}', "
-                    f"or --overwrite; one movement in several formats is --out {whose} --out {target.name}."
-                )
+        if not there.exists():
+            continue
+        where = f"'{there.name}' is there already, in '{there.parent}'"
+        another = f"Give another name, such as '{target.stem}-2{suffix}'"
+        whose = _staying(target, targets) if there in beside else ()
+        if whose:
+            together = " ".join(f"--out {name}" for name in (*whose, target.name))
             raise InputError(
-                f"'{there.name}' is there already, in '{there.parent}'; nothing was performed. Give another name, or --overwrite."
+                f"{where}, and belongs to {some_of(whose)}: '{target.name}' would leave its own in its place. Nothing was "
+                f"performed. {another}; one movement in several formats is {together}"
+                + (", which replaces all of them." if overwrite else " (and --overwrite).")
+            )
+        if not overwrite:
+            raise InputError(f"{where}; nothing was performed. Give another name, or --overwrite.")
+        if there != target and not _left_by_us(there, target):
+            raise InputError(
+                f"{where}, and no performance left it: it is not written over, whatever may be. Nothing was performed. {another}."
             )
 
 
-def _movement_of(beside: Path, targets: Sequence[Path]) -> str | None:
-    """Another movement of that name, beside which a file lies; None where there is none."""
-    stem = beside.name.removesuffix(".provenance.json").removesuffix(".png")
-    others = (beside.with_name(f"{stem}{s}") for f in formats.writable() for s in f.suffixes if s != ".asf")
-    return next((other.name for other in others if other not in targets and other.exists()), None)
+def _staying(target: Path, targets: Sequence[Path]) -> tuple[str, ...]:
+    """Movements that the provenance beside a file is of, too, and that stay as they are."""
+    _, provenance, _ = files_of(target)
+    told = _told(provenance)
+    if told is None:
+        return ()
+    written = {os.path.abspath(t) for t in targets}
+    others = (provenance.with_name(str(name)) for name in told)
+    return tuple(other.name for other in others if other.exists() and os.path.abspath(other) not in written)
+
+
+def _left_by_us(beside: Path, target: Path) -> bool:
+    """Whether a file that would be written over was left beside a movement of that name."""
+    if beside.suffix == ".asf":
+        return target.exists()
+    return _told(files_of(target)[1]) is not None
+
+
+def _told(provenance: Path) -> list[Any] | None:
+    """Names of the files whose provenance it is; None where it is none."""
+    try:
+        files = json.loads(provenance.read_text(encoding="utf-8"))["output"]["files"]
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+    return files if isinstance(files, list) else None
 
 
 def save_performance(piece: Piece, paths: Paths, *, overwrite: bool = False, progress: Progress = silent) -> Saved:
@@ -147,7 +175,6 @@ def save_performance(piece: Piece, paths: Paths, *, overwrite: bool = False, pro
     progress(0.0, "drawing")
     figure = picture(piece)
     drawn = figure_bytes(figure, ".png")
-    told = provenance_json(piece).encode()
     unknown = letters.lacking(figure)
     remarks = [f"The picture has {letters.UNKNOWN} for {unknown}: no font of this machine has it"] if unknown else []
     with contextlib.ExitStack() as stack:
@@ -159,6 +186,8 @@ def save_performance(piece: Piece, paths: Paths, *, overwrite: bool = False, pro
             said = formats.write(piece.motion, room / target.name, extras=extras)
             remarks += said if len(targets) == 1 else [f"{target.name}: {line}" for line in said]
             _, provenance, image = files_of(target)
+            together = [t.name for t in targets if files_of(t)[1] == provenance]
+            told = provenance_json(piece, together).encode()
             for file, data in ((provenance, told), (image, drawn)):
                 (room / file.name).write_bytes(data)
             made += [(file, target.with_name(file.name)) for file in sorted(room.iterdir())]
@@ -234,9 +263,16 @@ def picture(piece: Piece) -> Figure:
     return figure
 
 
-def provenance_json(piece: Piece) -> str:
-    """The text of ``*.provenance.json``: the same bytes for the same performance."""
-    return json.dumps(piece.to_dict(), ensure_ascii=False, indent=1, allow_nan=False) + "\n"
+def provenance_json(piece: Piece, files: Sequence[str] = ()) -> str:
+    """The text of ``*.provenance.json``: the same bytes for the same performance.
+
+    Parameters
+    ----------
+    files : names of the movement's files beside it.
+    """
+    told = piece.to_dict()
+    told["output"]["files"] = list(files)
+    return json.dumps(told, ensure_ascii=False, indent=1, allow_nan=False) + "\n"
 
 
 def performance_schema() -> dict[str, Any]:

@@ -264,6 +264,7 @@ class Piece:
                 "duration_s": _rounded(motion.duration),
                 "skeleton": motion.skeleton.name,
                 "joints": list(motion.skeleton.joint_names),
+                "files": [],
                 "assumptions": list(motion.assumptions),
                 "warnings": list(motion.warnings),
             },
