@@ -611,7 +611,7 @@ def test_a_far_target_is_reached_and_the_way_decided_for_is_gone(shared_data: Pa
     assert made.attained
     assert made.length < 1.1 * 150.0
     beside = np.hypot(*(made.trail - made.course.ground[: len(made.trail)]).T)
-    assert beside.max() < 0.3
+    assert beside.max() < 0.5  # over 150 m
 
 
 def test_the_last_seconds_are_decided_for_anew(walks: list[kx.Motion], monkeypatch: pytest.MonkeyPatch) -> None:

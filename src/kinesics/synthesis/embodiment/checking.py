@@ -179,7 +179,12 @@ def slide(points: Array, height: Array) -> float:
         return 0.0
     steps = steps_of(points, height)
     way = np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
-    blocks = (way[a : a + _BLOCK, None] - way[None] for a in range(0, len(way), _BLOCK))
+    return farthest(way)
+
+
+def farthest(places: Array) -> float:
+    """Greatest distance between any two of some places, shape (n, 2)."""
+    blocks = (places[a : a + _BLOCK, None] - places[None] for a in range(0, len(places), _BLOCK))
     return float(max(np.einsum("abi,abi->ab", apart, apart).max() for apart in blocks) ** 0.5)
 
 

@@ -16,8 +16,9 @@ from kinesics.body import contacts as _contacts
 from kinesics.body.contacts import Floor, runs
 from kinesics.body.motion import Motion
 from kinesics.body.pose import poses
+from kinesics.body.touching import speeds_of
 from kinesics.geometry import quaternion
-from kinesics.synthesis.embodiment.checking import ROUNDING, SLIDE, beyond, nearest, slide
+from kinesics.synthesis.embodiment.checking import ROUNDING, SLIDE, beyond, farthest, nearest, slide
 from kinesics.synthesis.embodiment.rendering import Performance
 from kinesics.synthesis.embodiment.stage import FLESH, LEAST_BODY, LEAST_TURNING, Stage
 from kinesics.synthesis.repertoire import Repertoire
@@ -26,6 +27,12 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 QUANTILE: Final = 0.99
+DOWN: Final = 0.015
+"""Metres above the level at which a point of the sole usually bears."""
+STILL: Final = 0.25
+"""m/s."""
+AWHILE: Final = 0.1
+"""Seconds."""
 
 
 class Beside(NamedTuple):
@@ -58,6 +65,11 @@ class Quality:
     slide_worst: Beside
     slides_over: Beside
     """Share of the contacts that slide more than 1 cm."""
+    shift: Beside
+    """Metres that heel or ball goes over the floor while it is firmly down, as anyone would see it: nearer to the floor than
+    `DOWN` and slower than `STILL` for at least `AWHILE`. The 90th percentile of such times."""
+    shifts_over: Beside
+    """Share of them with more than 1 cm. Whoever pivots on a ball takes the heel along."""
     contact_share: Beside
     """Share of time that a foot is on the ground, mean of both."""
     touches: float
@@ -97,6 +109,7 @@ class _Yardstick:
     leaps: _Leaps
     """Of every frame and its mirror image, shape (2, frames, joints, 3); forwards."""
     slides: Array
+    shifts: Array
     feet: Mask
     """Shape (2, frames, 2)."""
     penetration: float
@@ -119,7 +132,7 @@ def measure(performance: Performance, repertoire: Repertoire, *, threshold: floa
     recorded = _Leaps(*(values[image[at + 1], frame[at + 1]] for values in own.leaps))
     turned, was_turned, turn_added = _shares(leaps.turning[at], recorded.turning, own.turning)
     pushed, was_pushed, push_added = _shares(leaps.acceleration[at], recorded.acceleration, own.acceleration)
-    slides, feet, sunk = _feet(motion, stage)
+    slides, shifts, feet, sunk = _feet(motion, stage)
     played = own.feet[image, frame]
     excess = beyond(motion, stage)
     deep = stage.capsules.depths(motion.positions(), motion.global_rotations()) - stage.deepest
@@ -134,6 +147,8 @@ def measure(performance: Performance, repertoire: Repertoire, *, threshold: floa
         slide=Beside(_quantile(slides, 0.95), _quantile(own.slides, 0.95)),
         slide_worst=Beside(_quantile(slides, 1.0), _quantile(own.slides, 1.0)),
         slides_over=Beside(_over(slides / SLIDE), _over(own.slides / SLIDE)),
+        shift=Beside(_quantile(shifts, 0.9), _quantile(own.shifts, 0.9)),
+        shifts_over=Beside(_over(shifts / SLIDE), _over(own.shifts / SLIDE)),
         contact_share=Beside(float(feet.mean()), float(played.mean())),
         touches=float(np.mean([not played[a:b, k].any() for k, a, b in spans])) if spans else 0.0,
         penetration=Beside(sunk, own.penetration),
@@ -160,7 +175,7 @@ def _yardstick(repertoire: Repertoire) -> _Yardstick:
     shape = (2, repertoire.frame_count, repertoire.skeleton.joint_count, 3)
     turnings, pushes = np.zeros(shape), np.zeros(shape)
     feet = np.zeros((2, repertoire.frame_count, 2), dtype=np.bool_)
-    slides, sunk = [], 0.0
+    slides, shifts, sunk = [], [], 0.0
     inner = np.zeros(repertoire.frame_count, dtype=np.bool_)
     strands = (0, 1) if repertoire.mirrored else (0,)
     for k in range(repertoire.recording_count):
@@ -169,15 +184,18 @@ def _yardstick(repertoire: Repertoire) -> _Yardstick:
         for strand in strands:
             motion = repertoire.motion(k, strand)
             turnings[strand, a + 1 : b - 1], pushes[strand, a + 1 : b - 1] = _leaps(motion)
-            slid, stands, low = _feet(motion, stage)
+            slid, shifted, stands, low = _feet(motion, stage)
             feet[strand, a:b] = stands
             slides.append(slid)
+            shifts.append(shifted)
             sunk = max(sunk, low)
     turning, pushing = (
         _per_joint(np.linalg.norm(v[list(strands)][:, inner], axis=-1).reshape(-1, shape[2]), least)
         for v, least in ((turnings, LEAST_TURNING / repertoire.fps), (pushes, LEAST_BODY))
     )
-    return _Yardstick(turning, pushing, _Leaps(turnings, pushes), np.concatenate(slides), feet, sunk)
+    return _Yardstick(
+        turning, pushing, _Leaps(turnings, pushes), np.concatenate(slides), np.concatenate(shifts), feet, sunk
+    )
 
 
 def _per_joint(values: Array, least: float) -> Array:
@@ -202,15 +220,31 @@ def _leaps(motion: Motion) -> _Leaps:
     return _Leaps(np.diff(turned, axis=0), np.stack([cosine * x - sine * z, y, sine * x + cosine * z], axis=-1))
 
 
-def _feet(motion: Motion, stage: Stage) -> tuple[Array, Mask, float]:
-    """How far each contact slides, when the feet are on the ground, greatest depth below the floor."""
+def _feet(motion: Motion, stage: Stage) -> tuple[Array, Array, Mask, float]:
+    """How far each contact slides and each heel or ball shifts, when the feet are on the ground, greatest depth below the floor."""
     found = _contacts.contacts(motion, known=stage.soles, ground=Floor(0.0), slow=stage.slow)
     slides = [
         slide(found.positions[a:b, k], found.positions[a:b, k, :, 1] - stage.levels[k])
         for k in (0, 1)
         for a, b in runs(found.feet[:, k])
     ]
-    return np.array(slides), found.feet, float(max(0.0, -found.positions[..., 1].min()))
+    places = found.positions[:, :, :2]
+    shifts = shifted(places, places[..., 1] - stage.levels[:, :2], motion.fps)
+    return np.array(slides), shifts, found.feet, float(max(0.0, -found.positions[..., 1].min()))
+
+
+def shifted(places: Array, height: Array, fps: float) -> Array:
+    """How far points go over the floor while they are firmly down, metres, shape (times,): see `Quality.shift`.
+
+    Parameters
+    ----------
+    places : in the world, metres, shape (frames, feet, points, 3).
+    height : above where each usually bears, shape (frames, feet, points).
+    """
+    flat = places.reshape(len(places), -1, 3)
+    down = (height.reshape(len(flat), -1) < DOWN) & (speeds_of(flat, fps) < STILL)
+    spans = [(n, a, b) for n in range(flat.shape[1]) for a, b in runs(down[:, n]) if b - a >= AWHILE * fps]
+    return np.array([farthest(flat[a:b, n][:, [0, 2]]) for n, a, b in spans])
 
 
 def _over(shares: Array) -> float:

@@ -41,6 +41,7 @@ from kinesics.synthesis.embodiment.planting import above_the_floor, pin
 from kinesics.synthesis.embodiment.ranges import YIELD, envelope, put_joint, put_within_range
 from kinesics.synthesis.embodiment.rehearsal import played
 from kinesics.synthesis.embodiment.stage import LEAST_TURNING, SPARED, Seams, Stage, bearing, seams, turn_bodies
+from kinesics.synthesis.embodiment.steady_feet import unturned_feet
 from kinesics.synthesis.paths.meeting import meetings
 from kinesics.synthesis.paths.network import Network
 from kinesics.synthesis.repertoire import Repertoire
@@ -164,6 +165,7 @@ def render(
     changed |= (blended.weight < 1.0) | np.any(roots != laid.roots, axis=1)
     standing = _standing(network.repertoire, laid)
     if pinned:
+        rotations = unturned_feet(stage, rotations, _holding(standing, changed))
         footed = pin(stage, rotations, roots, standing)
         rotations, roots = footed.rotations, footed.roots
         if _not_too_far(stage, rotations, blended.rotations, laid.moments, network.threshold):
@@ -410,6 +412,15 @@ def _standing(repertoire: Repertoire, laid: _Laid) -> Mask:
                 for a, b in _runs_near(out[:, k] == value, cut, shortest):
                     if b - a < shortest and a > 0 and b < len(out):
                         out[a:b, k] = not value
+    return out
+
+
+def _holding(standing: Mask, frames: Mask) -> Mask:
+    """Of contacts, shape (frames, 2), those that hold any of some frames, shape (frames,)."""
+    out = np.zeros_like(standing)
+    for k in (0, 1):
+        for a, b in runs(standing[:, k]):
+            out[a:b, k] = frames[a:b].any()
     return out
 
 

@@ -1,10 +1,14 @@
-"""Feet that do not flicker while they are on the ground or near it ([Schultz2012] §4.4).
+"""Feet that neither flicker nor turn to and fro while they are on the ground ([Schultz2012] §4.4).
 
 Feet and toes are the links that a recording knows least about: a few markers close together, a joint of the toes fitted to one of
 them. From one frame to the next they may leap by 10° and more while the ankle goes on smoothly. Where the sole is then held in
 its place (`embodiment.planting`) the ankle would have to leap instead, and the leg with it. So the turning of feet near the
 ground is smoothed beforehand, as in gait analysis markers are before anything is told from them: Winter, *Biomechanics and Motor
 Control of Human Movement* (4th ed. 2009, ch. 3.5), has feet below 6 to 10 Hz.
+
+What remains turns about the vertical under the body's weight by 3° in every step and by 8° in slower movement, as markers on a shoe
+do that gives way; the foot beneath stands still or pivots. Heel and ball cannot both stay in their places while it is
+turned so. Hence a bearing foot turns only as far as the recording cannot be understood otherwise: `unturning`.
 """
 
 from __future__ import annotations
@@ -16,15 +20,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.body import kinematics
+from kinesics.body.kinematics import Kinematics
 from kinesics.geometry import quaternion
 from kinesics.synthesis.embodiment.ranges import put_within_range
-from kinesics.synthesis.embodiment.stage import RELEASE, Stage, held_around
+from kinesics.synthesis.embodiment.stage import RELEASE, Stage, about_y, bearing, held_around
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 STEADY: Final = 0.015
 """Seconds, of a Gaussian over which the turning of feet is averaged: at 9 Hz .7 of it is left, at 3 Hz .96."""
+PLAY: Final = np.deg2rad(6.0)
+"""By which a bearing foot may head elsewhere than it was recorded."""
+LETTING: Final = 0.15
+"""Seconds before and after a contact over which it comes to head as recorded."""
+_SOFT: Final = 0.03
+"""Seconds, of a Gaussian over which it begins to turn and ceases."""
+_LOOSE: Final = 0.01
+"""Of how readily it turns on its heel, or its toes, alone: how readily it does so flat."""
 _REACH: Final = 4.0
 """Of which so many to either side are looked at."""
 
@@ -37,20 +50,134 @@ def steady_feet(stage: Stage, rotations: Array, standing: Mask) -> Array:
     rotations : of all joints, shape (frames, joints, 4).
     standing : whether each foot bears, shape (frames, 2).
     """
-    fps, skeleton = stage.repertoire.fps, stage.repertoire.skeleton
-    if STEADY * fps * _REACH < 1.0:
-        return rotations  # frames are farther apart than anything that is averaged
-    turned = kinematics.forward(skeleton, rotations, np.zeros((len(rotations), 3)), joints=stage.lower).rotations
+    fps, out = stage.repertoire.fps, rotations
+    if STEADY * fps * _REACH >= 1.0:  # else frames are farther apart than anything that is averaged
+        out = _averaged_feet(stage, rotations, standing)
+    return unturned_feet(stage, out, standing)
+
+
+def _averaged_feet(stage: Stage, rotations: Array, standing: Mask) -> Array:
+    fps = stage.repertoire.fps
+    turned = _lower(stage, rotations).rotations
     out = rotations.copy()
     for side, foot in enumerate(stage.legs.feet):
         near = held_around(standing[:, side], RELEASE * fps)
         # in the world, where a foot stands still while its shin goes over it
-        above = quaternion.conjugate(turned[:, skeleton.parents[foot]])
-        out[:, foot] = quaternion.multiply(above, _averaged(turned[:, foot], near, STEADY * fps))
+        _put(stage, out, turned, foot, _averaged(turned[:, foot], near, STEADY * fps))
         for toes in set(stage.soles.joints[side].tolist()) - {foot}:
             out[:, toes] = _averaged(rotations[:, toes], near, STEADY * fps)
+    return out
+
+
+def unturned_feet(stage: Stage, rotations: Array, standing: Mask) -> Array:
+    """The same pose in every frame, but for feet that bear, which head elsewhere only where they must: (frames, joints, 4).
+
+    Parameters
+    ----------
+    rotations : of all joints, shape (frames, joints, 4).
+    standing : whether each foot bears, shape (frames, 2).
+    """
+    known = _lower(stage, rotations)
+    share = bearing(stage.soles.place(known.positions, known.rotations)[..., 1] - stage.levels)[..., 0]
+    flat = 4.0 * share * (1.0 - share)
+    along = stage.soles.offsets[:, 1] - stage.soles.offsets[:, 0]
+    out = rotations.copy()
+    for side, foot in enumerate(stage.legs.feet):
+        if standing[:, side].any():
+            turned = known.rotations[:, foot]
+            still = unturning(turned, along[side], flat[:, side], standing[:, side], stage.repertoire.fps)
+            _put(stage, out, known.rotations, foot, still)
     put_within_range(stage, out, np.unique([*stage.legs.feet, *stage.soles.joints.ravel()]))
     return out
+
+
+def _lower(stage: Stage, rotations: Array) -> Kinematics:
+    """Legs and soles, wherever the body is."""
+    skeleton = stage.repertoire.skeleton
+    return kinematics.forward(skeleton, rotations, np.zeros((len(rotations), 3)), joints=stage.lower)
+
+
+def _put(stage: Stage, rotations: Array, turned: Array, foot: int, orientation: Array) -> None:
+    """Turn a foot, in place, to orientations in the world, shape (frames, 4), where all joints are turned as ``turned``."""
+    above = turned[:, stage.repertoire.skeleton.parents[foot]]
+    rotations[:, foot] = quaternion.multiply(quaternion.conjugate(above), orientation)
+
+
+def unturning(turned: Array, along: Array, flat: Array, standing: Mask, fps: float) -> Array:
+    """Orientations of a foot in the world, shape (frames, 4), that head nowhere else than they must while it bears.
+
+    Of all ways to turn about the vertical that are nowhere farther than `PLAY` from the recorded one the shortest: a foot that is
+    turned to and fro stands still, one that pivots does so once. Before and after it goes over into what was recorded.
+
+    Parameters
+    ----------
+    turned : as recorded, shape (frames, 4).
+    along : the sole from heel to ball, in the frame of the foot, shape (3,).
+    flat : 0 to 1, how much it bears on heel and forefoot at once, shape (frames,): it turns sooner where it does not.
+    standing : whether the foot bears, shape (frames,).
+    """
+    from scipy.ndimage import gaussian_filter1d
+
+    ahead = quaternion.rotate(turned, along / np.linalg.norm(along))
+    heading = np.unwrap(np.arctan2(ahead[:, 0], ahead[:, 2]))
+    # the steeper a foot stands the less it heads anywhere, and the less its heading moves what bears
+    level = np.square(ahead[:, [0, 2]]).sum(axis=1)
+    play = PLAY * level * held_around(standing, LETTING * fps)
+    still = taut(heading - play, heading + play, np.cumsum(_LOOSE + np.square(1.0 - flat * standing)))
+    softly = gaussian_filter1d(still, _SOFT * fps, mode="nearest") - still
+    return quaternion.multiply(about_y(still - heading + softly * level * held_around(standing, LETTING * fps)), turned)
+
+
+def taut(low: Array, high: Array, at: Array) -> Array:
+    """The shortest line between two others, shape (frames,): a string pulled taut in a tube, its ends free to go up and down in it.
+
+    Of all lines in the tube it has the least sum of squared slopes, too, each times its length, and turns back no more often than
+    it must (Davies & Kovac 2001, *Annals of Statistics* 29:1).
+
+    Parameters
+    ----------
+    at : where along the tube each frame lies, rising, shape (frames,).
+    """
+    floor, ceiling, place = low.tolist(), high.tolist(), at.tolist()
+    last = len(floor) - 1
+    begin, end = _level(floor, ceiling), _level(floor[::-1], ceiling[::-1])
+    if begin is None or end is None:
+        return np.full(len(low), min(max(float(np.mean(0.5 * (low + high))), max(floor)), min(ceiling)))
+    floor[0] = ceiling[0] = begin
+    floor[last] = ceiling[last] = end
+    corners, values = [0], [begin]
+    while corners[-1] < last:
+        corner, value = corners[-1], values[-1]
+        below, above = -np.inf, np.inf
+        lower = upper = corner
+        for t in range(corner + 1, last + 1):
+            length = place[t] - place[corner]
+            least, most = (floor[t] - value) / length, (ceiling[t] - value) / length
+            if least > above or most < below:
+                # round what was in the way first
+                corners.append(upper if least > above else lower)
+                values.append(ceiling[upper] if least > above else floor[lower])
+                break
+            if least >= below:
+                below, lower = least, t
+            if most <= above:
+                above, upper = most, t
+        else:
+            corners.append(last)
+            values.append(end)
+    return np.interp(at, at[corners], values)
+
+
+def _level(floor: list[float], ceiling: list[float]) -> float | None:
+    """Where a string begins that is free to: level with what it goes round first; None where nothing is in its way."""
+    least, most = -np.inf, np.inf
+    for low, high in zip(floor, ceiling, strict=True):
+        if low > most:
+            return most
+        if high < least:
+            return least
+        least, most = max(least, low), min(most, high)
+    return None
 
 
 def _averaged(turned: Array, share: Array, width: float) -> Array:
