@@ -23,7 +23,7 @@ from kinesics.body import kinematics
 from kinesics.body.kinematics import Kinematics
 from kinesics.geometry import quaternion
 from kinesics.synthesis.embodiment.ranges import put_within_range
-from kinesics.synthesis.embodiment.stage import RELEASE, Stage, about_y, bearing, held_around
+from kinesics.synthesis.embodiment.stage import RELEASE, Stage, about_y, held_around
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -36,7 +36,11 @@ LETTING: Final = 0.15
 """Seconds before and after a contact over which it comes to head as recorded."""
 _SOFT: Final = 0.03
 """Seconds, of a Gaussian over which it begins to turn and ceases."""
-_LOOSE: Final = 0.01
+ROLLED: Final = 0.02
+"""Metres that the heel, or the forefoot, is above the other when the foot is half-way between flat and rolled."""
+PIVOTING: Final = 3.0
+"""rad/s at which the recording has a flat foot turn as readily as one on its heel."""
+_LOOSE: Final = 0.001
 """Of how readily it turns on its heel, or its toes, alone: how readily it does so flat."""
 _REACH: Final = 4.0
 """Of which so many to either side are looked at."""
@@ -78,8 +82,9 @@ def unturned_feet(stage: Stage, rotations: Array, standing: Mask) -> Array:
     standing : whether each foot bears, shape (frames, 2).
     """
     known = _lower(stage, rotations)
-    share = bearing(stage.soles.place(known.positions, known.rotations)[..., 1] - stage.levels)[..., 0]
-    flat = 4.0 * share * (1.0 - share)
+    height = stage.soles.place(known.positions, known.rotations)[..., 1] - stage.levels
+    rolled = height[..., 0] - np.minimum(height[..., 1], height[..., 2])
+    flat = 1.0 / (1.0 + (rolled / ROLLED) ** 4)
     along = stage.soles.offsets[:, 1] - stage.soles.offsets[:, 0]
     out = rotations.copy()
     for side, foot in enumerate(stage.legs.feet):
@@ -123,7 +128,11 @@ def unturning(turned: Array, along: Array, flat: Array, standing: Mask, fps: flo
     # the steeper a foot stands the less it heads anywhere, and the less its heading moves what bears
     level = np.square(ahead[:, [0, 2]]).sum(axis=1)
     play = PLAY * level * held_around(standing, LETTING * fps)
-    still = taut(heading - play, heading + play, np.cumsum(_LOOSE + np.square(1.0 - flat * standing)))
+    pace = (
+        np.abs(gaussian_filter1d(np.gradient(heading), _SOFT * fps, mode="nearest")) * fps if len(heading) > 1 else 0.0
+    )
+    loose = _LOOSE + np.square(1.0 - flat * standing) + np.square(pace / PIVOTING)
+    still = taut(heading - play, heading + play, np.cumsum(loose))
     softly = gaussian_filter1d(still, _SOFT * fps, mode="nearest") - still
     return quaternion.multiply(about_y(still - heading + softly * level * held_around(standing, LETTING * fps)), turned)
 
