@@ -20,8 +20,11 @@ namespace nb = nanobind;
 using namespace nb::literals;
 using kinesics::cross;
 using kinesics::dot;
+using kinesics::exponential;
 using kinesics::length;
+using kinesics::logarithm;
 using kinesics::multiply;
+using kinesics::Passing;
 using kinesics::turn;
 using kinesics::undo;
 
@@ -37,35 +40,16 @@ using Vector = std::array<double, 3>;
 nb::tuple plain(const Quaternion &q) { return nb::make_tuple(q[0], q[1], q[2], q[3]); }
 nb::tuple plain(const Vector &v) { return nb::make_tuple(v[0], v[1], v[2]); }
 
-void logarithm(const double *q, double *to) {
-    const double sine = length(q + 1);
-    double scale = sine > 1e-150 ? 2.0 * std::atan2(sine, std::abs(q[0])) / sine : 2.0;
-    if (q[0] < 0.0) scale = -scale;
-    for (int n = 0; n < 3; ++n) to[n] = scale * q[n + 1];
-}
-
-void exponential(const double *v, double *to) {
-    const double angle = length(v);
-    const double scale = angle > 0.0 ? std::sin(0.5 * angle) / angle : 0.0;
-    to[0] = std::cos(0.5 * angle);
-    for (int n = 0; n < 3; ++n) to[n + 1] = scale * v[n];
-}
-
 // What a transition adds so many seconds from its cut to the rotations, in place; returns what it adds to the root's place.
 nb::tuple blended(Rotations rotations, Vectors offset, Vectors velocity, Numbers before, Numbers after, Numbers share,
                   double time) {
     const auto joints = rotations.shape(0);
     for (const auto rows : {offset.shape(0), velocity.shape(0), before.shape(0), after.shape(0), share.shape(0)})
         if (rows != joints + 1) throw std::invalid_argument("kinesics._native.blended: shapes do not fit");
-    const bool early = time < 0.0;
-    const double away = std::abs(time);
     Vector added{};
     for (std::size_t j = 0; j <= joints; ++j) {
-        const double span = early ? before.data()[j] : after.data()[j], way = early ? -span : span;
-        const double part = early ? share.data()[j] : share.data()[j] - 1.0;
-        const double t = std::min(away / span, 1.0), rest = 1.0 - t, cube = part * rest * rest * rest;
-        const double a = cube * (1.0 + t * (3.0 + 6.0 * t)), b = cube * way * t * (1.0 + 3.0 * t);
-        for (int n = 0; n < 3; ++n) added[n] = a * offset.data()[3 * j + n] + b * velocity.data()[3 * j + n];
+        const Passing passing(before.data()[j], after.data()[j], share.data()[j], time);
+        passing.add(offset.data() + 3 * j, velocity.data() + 3 * j, added.data());
         if (j == joints) break;
         double by[4];
         exponential(added.data(), by);

@@ -14,6 +14,7 @@ void bind_legs(nb::module_ &m);
 void bind_quaternions(nb::module_ &m);
 void bind_footing(nb::module_ &m);
 void bind_live(nb::module_ &m);
+void bind_cuts(nb::module_ &m);
 void bind_weighing(nb::module_ &m);
 #ifdef KINESICS_TEXT
 void bind_text(nb::module_ &m);
@@ -34,6 +35,7 @@ NB_MODULE(_native, m) {
     bind_quaternions(m);
     bind_footing(m);
     bind_live(m);
+    bind_cuts(m);
     bind_weighing(m);
 #ifdef KINESICS_TEXT
     bind_text(m);

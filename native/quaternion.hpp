@@ -1,6 +1,7 @@
 // One quaternion (w, x, y, z), one vector, as plain numbers: what several kernels do with them.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 namespace kinesics {
@@ -38,5 +39,39 @@ inline void cross(const double *a, const double *b, double *to) {
     to[1] = y;
     to[2] = z;
 }
+
+// A rotation vector of at most half a turn.
+inline void logarithm(const double *q, double *to) {
+    const double sine = length(q + 1);
+    // angle / sin(angle / 2) goes to 2
+    double scale = sine > 1e-150 ? 2.0 * std::atan2(sine, std::abs(q[0])) / sine : 2.0;
+    if (q[0] < 0.0) scale = -scale;
+    for (int n = 0; n < 3; ++n) to[n] = scale * q[n + 1];
+}
+
+inline void exponential(const double *v, double *to) {
+    const double angle = length(v), half = 0.5 * angle;
+    // sin(angle / 2) / angle goes to 1/2
+    const double scale = angle > 1e-150 ? std::sin(half) / angle : 0.5;
+    to[0] = std::cos(half);
+    for (int n = 0; n < 3; ++n) to[n + 1] = scale * v[n];
+}
+
+// What is left of an offset and its velocity so many seconds from a cut: kinesics/synthesis/embodiment/blending.py, two_sided.
+struct Passing {
+    double of_offset, of_velocity;
+
+    Passing(double before, double after, double share, double time) {
+        const bool early = time < 0.0;
+        const double span = early ? before : after, way = early ? -span : span, part = early ? share : share - 1.0;
+        const double t = std::min(std::abs(time) / span, 1.0), rest = 1.0 - t, cube = part * rest * rest * rest;
+        of_offset = cube * (1.0 + t * (3.0 + 6.0 * t));
+        of_velocity = cube * way * t * (1.0 + 3.0 * t);
+    }
+
+    void add(const double *offset, const double *velocity, double *to) const {
+        for (int n = 0; n < 3; ++n) to[n] = of_offset * offset[n] + of_velocity * velocity[n];
+    }
+};
 
 }  // namespace kinesics

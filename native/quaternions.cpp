@@ -12,7 +12,9 @@
 
 namespace nb = nanobind;
 using namespace nb::literals;
+using kinesics::exponential;
 using kinesics::length;
+using kinesics::logarithm;
 using kinesics::multiply;
 using kinesics::undo;
 
@@ -50,13 +52,6 @@ void for_rows(const Out &out, const Each &each) {
     nb::gil_scoped_release release;
     for (std::int64_t i = 0; i < outer; ++i)
         for (std::int64_t j = 0; j < inner; ++j, to += width) each(i, j, to);
-}
-
-inline void logarithm(const double *q, double *to) {
-    const double sign = q[0] < 0.0 ? -1.0 : 1.0, sine = length(q + 1);
-    // angle / sin(angle / 2) goes to 2
-    const double scale = sine > 1e-150 ? sign * 2.0 * std::atan2(sine, sign * q[0]) / sine : sign * 2.0;
-    for (int n = 0; n < 3; ++n) to[n] = scale * q[n + 1];
 }
 
 // each(p, q, to) for every pair of rows of two inputs
@@ -108,11 +103,7 @@ void quaternion_exponentials(In a, Out out) {
     for_rows(out, [&](std::int64_t i, std::int64_t j, double *to) {
         double v[3];
         rows.take(i, j, v);
-        const double angle = length(v), half = 0.5 * angle;
-        // sin(angle / 2) / angle goes to 1/2
-        const double scale = angle > 1e-150 ? std::sin(half) / angle : 0.5;
-        to[0] = std::cos(half);
-        for (int n = 0; n < 3; ++n) to[n + 1] = scale * v[n];
+        exponential(v, to);
     });
 }
 

@@ -198,6 +198,57 @@ def blended(
 def held_in_range(rotations: _Doubles, middle: _Doubles, low: _Doubles, high: _Doubles, first: int) -> None:
     """Hold ``rotations`` (joints, 4) from joint ``first`` on between the ends of their ranges, in place."""
 
+def seam(
+    left: _Doubles,
+    entered: _Doubles,
+    left_roots: _Doubles,
+    entered_roots: _Doubles,
+    parents: NDArray[np.int32],
+    arms: _Doubles,
+    above: list[int],
+    carrier: int,
+    turns: tuple[float, float],
+    aside: tuple[float, float],
+    pace: float,
+    offset: _Doubles,
+    velocity: _Doubles,
+    places: _Doubles,
+    moving: _Doubles,
+) -> None:
+    """Fill by how much the pose that is entered differs from the one left, and how quickly that changes; both before, at and
+    after the cut, (3, joints, 4) and (3, 3)."""
+
+def absorbed(
+    offset: _Doubles,
+    velocity: _Doubles,
+    earlier: _Doubles,
+    its_velocity: _Doubles,
+    before: _Doubles,
+    after: _Doubles,
+    share: _Doubles,
+    since: float,
+    instant: float,
+) -> None:
+    """Let what remains of an earlier transition end in ``offset`` and ``velocity`` (joints + 1, 3), in place."""
+
+def paced(
+    offset: _Doubles,
+    velocity: _Doubles,
+    places: _Doubles,
+    moving: _Doubles,
+    which: NDArray[np.int32],
+    spared: _Doubles,
+    loose: NDArray[np.bool_],
+    slowly: _Doubles,
+    stays: tuple[float, float, float],
+    seconds: float,
+    rules: list[float],
+    before: _Doubles,
+    after: _Doubles,
+    share: _Doubles,
+) -> float:
+    """Fill the seconds that each takes to either side of a cut, and its share before; velocities in place. The longest after."""
+
 class Chain:
     """The joints between root and soles, parents first, the root at their head."""
 

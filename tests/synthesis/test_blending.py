@@ -78,10 +78,10 @@ def test_what_quintics_reach_at_most_is_exact() -> None:
     """Of unit offset and of unit velocity: as finely as they are sampled, nothing accelerates more or goes farther."""
     times, step = np.linspace(0.0, 1.0, 20_001, retstep=True)
     one, none = np.ones(1), np.zeros(1)
-    for offset, velocity, peak in ((one, none, blending._PEAK), (none, one, blending._PEAK_OF_VELOCITY)):
+    for offset, velocity, peak in ((one, none, blending.PEAK), (none, one, blending.PEAK_OF_VELOCITY)):
         added = blending.decay(offset, velocity, times, 1.0)[:, 0]
         assert np.abs(np.diff(added, n=2)).max() / step**2 == pytest.approx(peak, rel=1e-5)
-    assert blending.decay(none, one, times, 1.0).max() == pytest.approx(blending._FARTHEST, rel=1e-7)
+    assert blending.decay(none, one, times, 1.0).max() == pytest.approx(blending.FARTHEST, rel=1e-7)
 
 
 def test_shorter_side_bears_less() -> None:

@@ -55,11 +55,12 @@ def made(request: pytest.FixtureRequest) -> Network:
     return network(repertoire(walk, backwards=True))
 
 
-@pytest.mark.parametrize("reach", [1.0 / 30.0, 0.07])
+@pytest.mark.parametrize(("reach", "plain"), [(1.0 / 30.0, "0"), (0.07, "0"), (0.07, "1")])
 def test_the_seam_is_that_of_the_whole(
-    made: Network, rng: np.random.Generator, reach: float, monkeypatch: pytest.MonkeyPatch
+    made: Network, rng: np.random.Generator, reach: float, plain: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Offsets and velocities of all joints and the root, anywhere, also where a recording begins or ends."""
+    """Offsets and velocities of all joints and the root, anywhere, also where a recording begins or ends; compiled and in NumPy."""
+    monkeypatch.setenv("KINESICS_NO_NATIVE", plain)
     monkeypatch.setattr("kinesics.synthesis.embodiment.stage.REACH", reach)
     own = made.repertoire
     stage = Stage.of(own)
@@ -75,6 +76,29 @@ def test_the_seam_is_that_of_the_whole(
         whole = seams(own, stage.carrier, *at)
         for one, many, most in zip(found, whole, (1e-7, 1e-5, 1e-7, 1e-5), strict=True):
             assert np.abs(one - many[0]).max() < most
+
+
+def test_a_cut_is_the_same_compiled_and_in_numpy(
+    made: Network, rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The seam, what remains of the transition before and how long each joint takes: of drawn cuts, with little time and much."""
+    own, stage = made.repertoire, Stage.of(made.repertoire)
+    cuts = Cuts(made, stage, Poses(stage, own), Treading(stage))
+    earlier: Blend | None = None
+    for k, (left, first) in enumerate(rng.integers(own.moment_count, size=(40, 2)).tolist()):
+        yaw, turn, x, z = rng.uniform(-0.3, 0.3, 4)
+        leap, frames = complex(*rng.normal(0.0, 0.02, 2)), int(rng.integers(12))
+        made_of: list[Blend] = []
+        for plain in ("0", "1"):
+            monkeypatch.setenv("KINESICS_NO_NATIVE", plain)
+            seam = cuts.seam(Crossing(left, first, complex(z, x), yaw, turn, 0.0))
+            made_of.append(cuts.blend(seam, leap, 10 * k, frames, earlier if k % 3 else None))
+        compiled, numpy = made_of
+        assert compiled.ends == numpy.ends
+        for one, other in zip(compiled[2:7], numpy[2:7], strict=True):
+            assert one.shape == other.shape
+            assert np.abs(one - other).max() < 1e-6 * max(1.0, np.abs(other).max())
+        earlier = compiled
 
 
 def test_overlapping_transitions_do_not_leap(made: Network) -> None:

@@ -31,12 +31,12 @@ SHORTEST: Final = 0.1
 """Seconds that a transition takes to either side of the cut, at least."""
 LONGEST: Final = 0.4
 """At most: a longer one would show a movement that is neither the one nor the other."""
-_PEAK: Final = 10.0 / np.sqrt(3.0)
+PEAK: Final = 10.0 / np.sqrt(3.0)
 """Greatest acceleration of the quintic that goes from 1 to 0 in unit time."""
-_PEAK_OF_VELOCITY: Final = (224.0 + 152.0 * np.sqrt(19.0)) / 225.0
+PEAK_OF_VELOCITY: Final = (224.0 + 152.0 * np.sqrt(19.0)) / 225.0
 """Greatest acceleration of the quintic that starts at 0 with unit velocity and ends at rest in unit time, t (1 − t)³ (1 + 3t): that
 at t = (8 − √19)/15."""
-_FARTHEST: Final = 16.0 / 81.0
+FARTHEST: Final = 16.0 / 81.0
 """How far that one goes from 0: at t = 1/3."""
 SLOWEST: Final = 1.0
 """Seconds to either side that fingers and the like may take."""
@@ -121,8 +121,8 @@ def _needed(offsets: Array, velocities: Array, accelerations: Array) -> Array:
     """Seconds that each takes to either side of a cut, so that it is accelerated no more than it may be."""
     # half the offset to either side: ½(d·peak/h² + v·peak_v/h) = a, solved for h
     a = np.maximum(accelerations, 1e-9)
-    linear = 0.5 * velocities * _PEAK_OF_VELOCITY / a
-    square = 0.5 * offsets * _PEAK / a
+    linear = 0.5 * velocities * PEAK_OF_VELOCITY / a
+    square = 0.5 * offsets * PEAK / a
     return np.asarray(0.5 * (linear + np.sqrt(linear * linear + 4.0 * square)))
 
 
@@ -153,7 +153,7 @@ def at_their_own_pace(
     """
     speed = np.linalg.norm(velocities, axis=-1)
     longest = max(window.before, window.after, 1e-9)
-    carried = 0.5 * _FARTHEST * longest * np.maximum(speed, 1e-9)
+    carried = 0.5 * FARTHEST * longest * np.maximum(speed, 1e-9)
     wanted = np.clip(_needed(np.linalg.norm(offsets, axis=-1), speed, accelerations), longest, SLOWEST) / longest
     pace = np.where(loose, np.clip(CARRIED / carried, min(SHORTEST / longest, 1.0), np.maximum(wanted, 1.0)), 1.0)
     kept = np.where(loose, np.minimum(CARRIED / (carried * pace), 1.0), 1.0)

@@ -1,6 +1,6 @@
 """Transitions frame by frame: what each adds to the joints and the root, and joints kept in their range.
 
-The same as `synthesis.embodiment.blending` does for a whole performance. Done in every frame, it is compiled where that was built.
+The same as `synthesis.embodiment.blending` does for a whole performance. It is compiled where that was built.
 """
 
 from __future__ import annotations
@@ -88,6 +88,20 @@ class Ranges:
 
 def absorbed(offset: Array, velocity: Array, earlier: Blend, since: float) -> tuple[Array, Array]:
     """`kinesics.synthesis.embodiment.blending.absorbed`."""
+    if compiled.wanted():
+        offset, velocity = offset.copy(), velocity.copy()
+        compiled.native.absorbed(
+            offset,
+            velocity,
+            earlier.offset,
+            earlier.velocity,
+            earlier.before,
+            earlier.after,
+            earlier.share,
+            since,
+            INSTANT,
+        )
+        return offset, velocity
     remains = np.stack([earlier.at(since + time) for time in (-INSTANT, 0.0, INSTANT)])
     apart = offset + np.array([-INSTANT, 0.0, INSTANT])[:, None, None] * velocity
     gone, turned = (quaternion.from_rotvec(vectors[:, :-1]) for vectors in (remains, apart))

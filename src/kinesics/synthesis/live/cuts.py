@@ -1,7 +1,7 @@
 """From one recording into another live: how the two meet, how far apart they are, and how long the transition takes.
 
 The same as `embodiment.stage.seams` and `embodiment.rendering` have it for a whole performance, one cut at a time
-and in parts, so that no frame has to wait for all of it.
+and in parts, so that no frame has to wait for all of it; compiled where that was built.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from kinesics import compiled
 from kinesics.body import kinematics
 from kinesics.geometry import single
 from kinesics.geometry.single import Vector
@@ -31,6 +32,20 @@ Array = NDArray[np.float64]
 
 _SHORTEST: Final = 1e-3
 """Seconds that a transition takes to either side at least, where there is no time at all."""
+_RULES: Final = [
+    float(rule)
+    for rule in (
+        blending.PEAK,
+        blending.PEAK_OF_VELOCITY,
+        blending.FARTHEST,
+        blending.SHORTEST,
+        blending.LONGEST,
+        blending.SLOWEST,
+        blending.CARRIED,
+        _SHORTEST,
+    )
+]
+"""What the compiled twin of `blending.window` and `blending.at_their_own_pace` goes by."""
 
 
 class Crossing(NamedTuple):
@@ -74,6 +89,9 @@ class Cuts:
         # what each may be accelerated by that may take a time of its own
         self._slowly = np.maximum(SPARED * stage.accelerations, LEAST_TURNING)
         self._slowly[stage.lower] = np.inf
+        self._which = np.asarray(which, dtype=np.int32)
+        self._parents = np.array(poses.own.skeleton.parents, dtype=np.int32)
+        self._arms = np.ascontiguousarray(poses.own.skeleton.offsets)
 
     def crossing(self, last: int, path: int, turned: float, heading: float) -> Crossing:
         """From one path into another that is no part of its recording.
@@ -99,12 +117,30 @@ class Cuts:
         # where either recording does not reach, the moment itself stands for the one beside it
         here = [a if both else here[1] for a, both in zip(here, reached, strict=True)]
         there = [b if both else there[1] for b, both in zip(there, reached, strict=True)]
+        span = poses.reach * (reached[0] + reached[2])
+        pace = own.fps / span if span else 0.0
         old, new = own.rotations[image, here], own.rotations[entered, there]
-        places = own.root_positions
-        offsets = np.empty((3, old.shape[1] + 1, 3))
+        places = own.root_positions[image, here], own.root_positions[entered, there]
+        carrier, joints = poses.carrier, old.shape[1]
+        if compiled.wanted():
+            made = Seam(*np.empty((2, joints + 1, 3)), *np.empty((2, joints, 3)))
+            compiled.native.seam(
+                old,
+                new,
+                *places,
+                self._parents,
+                self._arms,
+                poses.above,
+                carrier,
+                (crossing.turned, crossing.turn),
+                (crossing.aside.imag, crossing.aside.real),
+                pace,
+                *made,
+            )
+            return made
+        offsets = np.empty((3, joints + 1, 3))
         offsets[:, :-1] = blending.rotation_offset(old, new)
-        roots = places[image, here].tolist(), places[entered, there].tolist()
-        carrier = poses.carrier
+        roots = places[0].tolist(), places[1].tolist()
         stood = []
         for k, (before, after) in enumerate(zip(*roots, strict=True)):
             left, other = poses.faced(old[k], crossing.turned), poses.faced(new[k], crossing.turn)
@@ -116,9 +152,7 @@ class Cuts:
         body = kinematics.forward(own.skeleton, np.concatenate([old, new]), at.reshape(6, 3)).positions
         away = body[3:] - body[:3]
         earlier, now, later = offsets
-        span = poses.reach * (reached[0] + reached[2])
         change, moving = later - earlier, away[2] - away[0]
-        pace = own.fps / span if span else 0.0
         velocity = change * pace
         # a rotation vector leaps where it passes half a turn; such an offset has no velocity that could be told
         velocity[np.einsum("ij,ij->i", change, change) >= 4.0] = 0.0
@@ -156,6 +190,25 @@ class Cuts:
         offset[-1] -= stays
         if earlier is not None:
             offset, velocity = absorbed(offset, velocity, earlier, (cut - earlier.cut) / fps)
+        if compiled.wanted():
+            early, late, shares = np.empty((3, len(offset), 1))
+            latest = compiled.native.paced(
+                offset,
+                velocity,
+                places,
+                moving,
+                self._which,
+                self._spared,
+                self._loose,
+                self._slowly,
+                (leap.imag, 0.0, leap.real),
+                frames / fps,
+                _RULES,
+                early,
+                late,
+                shares,
+            )
+            return Blend(cut, cut + math.ceil(latest * fps), offset, velocity, early, late, shares, leap)
         which = stage.blended
         half = blending.window(
             _sizes(np.concatenate([offset[which], places - stays])),
@@ -172,8 +225,8 @@ class Cuts:
         early, late = before * np.minimum(pace, 1.0), after * pace
         shares = early * early / (early * early + late * late)
         ends = cut + math.ceil(float(late.max()) * fps)
-        spans = np.maximum(early, _SHORTEST)[:, None], late[:, None]
-        return Blend(cut, ends, offset, velocity, *spans, shares[:, None], leap)
+        early = np.maximum(early, _SHORTEST)
+        return Blend(cut, ends, offset, velocity, early[:, None], late[:, None], shares[:, None], leap)
 
 
 _met_afoot: weakref.WeakKeyDictionary[Network, tuple[NDArray[np.complex128], Array]] = weakref.WeakKeyDictionary()

@@ -24,12 +24,12 @@ class Poses:
         self.own = own
         """As it is played: `kinesics.synthesis.embodiment.rehearsal.played`."""
         self.reach = frames_of_reach(own.fps)
-        # joints that the body's carrier hangs on, from the root on
-        self._above: list[int] = []
+        self.above: list[int] = []
+        """Joints that the body's carrier hangs on, from the root on."""
         joint = stage.carrier
         while joint > 0:
             joint = own.skeleton.parents[joint]
-            self._above.insert(0, joint)
+            self.above.insert(0, joint)
         self._starts = own.starts.tolist()
 
     def at(self, image: int, frame: int, turn: float, place: complex) -> tuple[Array, Vector]:
@@ -43,8 +43,8 @@ class Poses:
     def faced(self, rotations: Array, turn: float) -> Quaternion:
         """The rotation of the joint that a body hangs on, turned about the vertical: see `turn_bodies`."""
         yaw: Quaternion = (math.cos(0.5 * turn), 0.0, math.sin(0.5 * turn), 0.0)
-        if self._above:
-            above, *others = (_plain(rotations[joint]) for joint in self._above)
+        if self.above:
+            above, *others = (_plain(rotations[joint]) for joint in self.above)
             for q in others:
                 above = single.multiply(above, q)
             yaw = single.undo(above, single.multiply(yaw, above))
