@@ -268,3 +268,10 @@ def test_a_route_that_the_body_was_far_from_is_told(piece: Piece) -> None:
     (line,) = said(straight, bend=20.0)
     assert "--bend" not in line
     assert "another seed" in line
+
+
+def test_a_single_pose_is_told_to_be_one(walk: kx.Motion) -> None:
+    """There is no time to stand still in: what is told is that there is none, and how much there was."""
+    (told,) = kx.perform(walk, seconds=0.01).warnings
+    assert told == "a single pose, in which nothing moves: 0.01 s (--seconds) at 30 frames a second; give more"
+    assert not any("stands" in line or "pose" in line for line in kx.perform(walk, seconds=0.2).warnings)

@@ -10,6 +10,7 @@ import pytest
 import kinesics as kx
 from bodies import about, moving, rounds
 from kinesics.body.motion import Motion
+from kinesics.synthesis import goals
 
 
 def bowing(seconds: float = 10.0, fps: float = 30.0) -> Motion:
@@ -101,3 +102,39 @@ def test_a_way_that_there_is_none_of_is_refused_with_those_there_are(shared_data
     assert found
     for state in found:
         assert kx.performance(source, from_state="B", to_state=state).attained
+
+
+def test_a_state_that_nothing_leads_back_to_is_begun_in(shared_data: Path) -> None:
+    """From the pose that a kata begins in one goes into what goes on, and on towards whatever else is wished for."""
+    source = kx.read(shared_data / "cmu" / "135" / "135_11.amc").resample(60.0)
+    material = kx.prepare(source)
+    assert (material.network.repertoire.frame_of(material.network.first) > 60).all()
+    for wish in ({"seconds": 6.0}, {"seconds": 6.0, "favour": "B"}, {"target": (0.0, 1.0)}):
+        piece = kx.performance(material, from_state="A", **wish)
+        first = piece.network.path_at(int(piece.provenance.moment[0]))
+        assert piece.network.state_from[first] == "A"
+        assert piece.network.endless
+        assert len(piece.network) > len(material.network)
+        assert piece.attained or "target" not in wish
+        assert not any(w.startswith("performed is") for w in piece.motion.warnings)
+    avatar = kx.Avatar(material, from_state="A", goal=goals.Speed(1.0))
+    assert avatar.network.state_from[next(avatar).path] == "A"
+
+
+def test_where_nothing_goes_on_from_a_state_it_is_said_where_one_comes_to(apart: list[Motion]) -> None:
+    """So that one of those can be gone to."""
+    brief = bowing(1.2).replace(name="brief")
+    states = {s.label for s in kx.graph([apart[0], brief]).racemic().states}
+    performed, refused = set(), {}
+    for state in states:
+        try:
+            kx.performance([apart[0], brief], seconds=1.0, from_state=state)
+        except kx.InputError as error:
+            refused[state] = str(error)
+        else:
+            performed.add(state)
+    assert performed
+    assert refused
+    for state, told in refused.items():
+        assert f"From the state '{state}' no way leads to where one could go on without end" in told
+        assert "`to_state` (--to)" in told

@@ -41,6 +41,8 @@ def summarize(piece: Piece, out: Sequence[Path] = ()) -> None:
             f"  target {_where(*target)}: came within {away:.2f} m; went {piece.length:.1f} m, {math.hypot(*target):.1f} m in a "
             "straight line"
         )
+    elif motion.frame_count == 1:
+        console.print("  a single pose")
     elif piece.stays is not None:
         console.print(f"  stays in place, within {piece.stays:.2f} m of where it begins")
     else:
@@ -105,9 +107,12 @@ def _left_out(piece: Piece) -> list[str]:
     if total.unused <= 0.0:
         return []
     if not net.pruned:
-        return [
-            f"not used, for it lies on no way from the one state to the other: {total.unused:.0%} of what was recorded"
-        ]
+        why = (
+            "it lies on no way from the one state to the other"
+            if piece.parameters["to_state"] is not None
+            else "no way leads there, or none goes on"
+        )
+        return [f"not used, for {why}: {total.unused:.0%} of what was recorded"]
     lines = [f"not used, for no way leads there or back: {total.unused:.0%} of what was recorded"]
     if total.unused < MUCH:
         return lines

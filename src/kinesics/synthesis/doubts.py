@@ -17,7 +17,7 @@ from kinesics.synthesis.embodiment.stage import FLESH, Stage
 from kinesics.synthesis.goals.states import way_between
 from kinesics.synthesis.paths.prospects import Prospects
 from kinesics.synthesis.piece import SWAY, Piece, distance_to_line, way_of
-from kinesics.synthesis.repertoire import THROWN
+from kinesics.synthesis.repertoire import LEAST_SECONDS, THROWN
 from kinesics.synthesis.wish import HARDLY, MOST_SECONDS, SPARE, Wish
 
 MOSTLY: Final = 0.5
@@ -71,6 +71,7 @@ def doubts(
     """
     said = (
         _unused(piece, whole, progress),
+        _pose(piece, seconds),
         _stays(piece, wish),
         _repeated(piece, wish),
         _round_and_round(piece),
@@ -130,9 +131,16 @@ def _joining(piece: Piece, progress: Progress) -> str:
     )
 
 
+def _pose(piece: Piece, seconds: float | None) -> str:
+    """That there was no time for more than a single frame."""
+    if piece.motion.frame_count > 1 or seconds is None:
+        return ""
+    return f"a single pose, in which nothing moves: {seconds:g} s (--seconds) at {piece.motion.fps:g} frames a second; give more"
+
+
 def _stays(piece: Piece, wish: Wish) -> str:
     """That the body stays where it is, or as it is, though the recordings do not."""
-    if wish.ends or wish.favour is not None or piece.stays is None:
+    if wish.ends or wish.favour is not None or piece.stays is None or piece.motion.duration < LEAST_SECONDS:
         return ""
     where = f"for all of {piece.motion.duration:.1f} s, within {_metres(piece.stays)} of where it begins"
     helps = "give another seed (--seed), what to favour (--favour), or a place to go to (`target`, --target)"

@@ -47,10 +47,10 @@ class Ground(NamedTuple):
     """With the names that recordings have."""
     largest: Network
     """Of the largest part that holds together."""
+    part: Network
+    """Of the part that holds what is wished for; the largest, where that does, or none."""
     serving: Network
-    """Of the part that holds what is wished for; the largest, where that does."""
-    only_ways: bool
-    """Whether it is no such part, but the ways from one state to another alone."""
+    """Of what is performed: that part; or the ways from one state to another, or those from a state into the part, too."""
     network: Network
     """The same with feet planted."""
     ahead: Prospects
@@ -171,14 +171,14 @@ class Material:
 
         largest = made(None)
         part = elsewhere.serving(largest, wish, found, made)
-        serving = elsewhere.way_there(part, wish, everything)
+        serving = elsewhere.way_in(elsewhere.way_there(part, wish, everything), wish, everything)
         if grammar is not None:
             check_names(serving, wish, grammar)
         if serving not in self._ready:
             progress(0.9, "looking ahead")
             planted = afoot(serving)
             self._ready[serving] = planted, prospects(planted)
-        return Ground(wish, largest, serving, serving is not part, *self._ready[serving])
+        return Ground(wish, largest, part, serving, *self._ready[serving])
 
     def _words(self, wish: Wish) -> bool | None:
         """Whether the grammar is to be read with its phrases; None where nobody asks for any of it."""

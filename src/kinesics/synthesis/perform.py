@@ -183,7 +183,7 @@ def fulfil(
     )
     asked = material.agreed(asked, skeleton, mapping, edits)
     stock, seed, seconds = material.repertoire, asked.whole_seed, asked.seconds
-    wish, largest, serving, only_ways, net, ahead = material.ground(
+    wish, largest, part, serving, net, ahead = material.ground(
         asked.wish, lambda share, message="": progress(0.1 + 0.65 * share, message)
     )
     start = beginning(net, wish, seed)
@@ -235,7 +235,7 @@ def fulfil(
     told = (
         material.left_out
         + stock.warnings
-        + elsewhere.told(serving, largest, wish, only_ways=only_ways, linger=asked.linger)
+        + elsewhere.told(serving, part, largest, wish, linger=asked.linger)
         + doubts(
             piece,
             wish,
@@ -243,7 +243,7 @@ def fulfil(
             most,
             seconds,
             best.shorter,
-            whole=serving is largest,
+            whole=(part is largest and wish.to_state is None) or serving is largest,
             progress=lambda share, message="": progress(0.95 + 0.05 * share, message),
         )
     )
