@@ -1,5 +1,5 @@
-// What is done in every frame of a live performance: transitions added, joints held in their range, a leg that reaches. The
-// twins in NumPy and plain Python are in kinesics/synthesis/live/blends.py and kinesics/synthesis/live/leg.py.
+// What is done in every frame of a live performance: transitions added, a leg that reaches. The twins in NumPy and plain Python
+// are in kinesics/synthesis/live/blends.py and kinesics/synthesis/live/leg.py.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "quaternion.hpp"
+#include "ranges.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -27,6 +28,8 @@ using kinesics::multiply;
 using kinesics::Passing;
 using kinesics::turn;
 using kinesics::undo;
+using kinesics::Range;
+using kinesics::Ranges;
 
 namespace {
 
@@ -57,27 +60,6 @@ nb::tuple blended(Rotations rotations, Vectors offset, Vectors velocity, Numbers
         multiply(own, by, own);
     }
     return plain(added);
-}
-
-// Rotations from joint `first` on, in place, held between the ends of their ranges.
-void held_in_range(Rotations rotations, Quaternions middle, Vectors low, Vectors high, std::size_t first) {
-    const auto joints = rotations.shape(0);
-    if (middle.shape(0) != joints || low.shape(0) != joints || high.shape(0) != joints)
-        throw std::invalid_argument("kinesics._native.held_in_range: shapes do not fit");
-    for (std::size_t j = first; j < joints; ++j) {
-        double *own = rotations.data() + 4 * j;
-        double from[4], vector[3], held[3];
-        undo(middle.data() + 4 * j, own, from);
-        logarithm(from, vector);
-        bool beyond = false;
-        for (int n = 0; n < 3; ++n) {
-            held[n] = std::min(std::max(vector[n], low.data()[3 * j + n]), high.data()[3 * j + n]);
-            beyond = beyond || held[n] != vector[n];
-        }
-        if (!beyond) continue;
-        exponential(held, from);
-        multiply(middle.data() + 4 * j, from, own);
-    }
 }
 
 // The joints between root and soles, parents first, the root at their head.
@@ -123,7 +105,7 @@ class Chain {
 };
 
 struct Given {
-    double seconds, brake, rounding, soft, straightest, backward;
+    double seconds, brake, soft, straightest, backward;
 };
 
 struct Gently {
@@ -156,37 +138,32 @@ struct Gently {
 
 struct Limb {
     std::size_t at, above;
-    Quaternion middle;
-    Vector low, high;
+    Range range;
     Gently turned;
 
     // Returns whether it was held back.
-    bool inside(const double *q, const Given &given, double *to) const {
-        double from[4], v[3], held[3], off = 0.0;
-        undo(middle.data(), q, from);
+    bool inside(const double *q, double *to) const {
+        double from[4], v[3];
+        undo(range.middle.data(), q, from);
         logarithm(from, v);
-        for (int n = 0; n < 3; ++n) {
-            held[n] = std::min(std::max(v[n], low[n]), high[n]);
-            off += std::abs(held[n] - v[n]);
-        }
-        if (off < given.rounding) {
+        if (!range.hold(v)) {
             std::copy(q, q + 4, to);
             return false;
         }
-        exponential(held, from);
-        multiply(middle.data(), from, to);
+        exponential(v, from);
+        multiply(range.middle.data(), from, to);
         return true;
     }
 
     void toward(const double *own, const double *wanted, const Given &given, double *to) {
         double q[4], between[4], vector[3];
-        inside(wanted, given, q);
+        inside(wanted, q);
         undo(own, q, between);
         logarithm(between, vector);
         turned.follow(vector, given);
         exponential(turned.at.data(), between);
         multiply(own, between, q);
-        inside(q, given, to);
+        inside(q, to);
     }
 };
 
@@ -212,12 +189,12 @@ void between(const double *before, const double *after, double *to) {
 
 class Leg {
   public:
-    Leg(const std::array<std::size_t, 3> &at, const std::array<std::size_t, 3> &above, const std::array<Quaternion, 3> &middle,
-        const std::array<Vector, 3> &low, const std::array<Vector, 3> &high, const std::array<double, 3> &most,
-        const Vector &hinge, double seconds, double brake, double rounding, double soft, double straightest, double backward)
-        : hinge(hinge), given{seconds, brake, rounding, soft, straightest, backward} {
+    Leg(const Ranges &ranges, const std::array<std::size_t, 3> &joints, const std::array<std::size_t, 3> &at,
+        const std::array<std::size_t, 3> &above, const std::array<double, 3> &most, const Vector &hinge, double seconds,
+        double brake, double soft, double straightest, double backward)
+        : hinge(hinge), given{seconds, brake, soft, straightest, backward} {
         for (int n = 0; n < 3; ++n) {
-            limbs[n] = {at[n], above[n], middle[n], low[n], high[n], {most[n]}};
+            limbs[n] = {at[n], above[n], ranges.of.at(joints[n]), {most[n]}};
             last = std::max({last, at[n], above[n]});
         }
     }
@@ -251,7 +228,7 @@ class Leg {
         least_turn(whole.data(), reachable.data(), swing.data());
         multiply(swing.data(), world[hip.at].data(), turned.data());
         undo(world[hip.above].data(), turned.data(), wanted.data());
-        if (hip.inside(wanted.data(), given, hip_to.data())) {
+        if (hip.inside(wanted.data(), hip_to.data())) {
             multiply(world[hip.above].data(), hip_to.data(), turned.data());
             between(world[hip.at].data(), turned.data(), swung.data());
             pointing(upper, lower, reachable, axis, swung, bend);
@@ -338,17 +315,15 @@ class Leg {
 void bind_live(nb::module_ &m) {
     m.def("blended", &blended, "rotations"_a.noconvert(), "offset"_a.noconvert(), "velocity"_a.noconvert(),
           "before"_a.noconvert(), "after"_a.noconvert(), "share"_a.noconvert(), "time"_a);
-    m.def("held_in_range", &held_in_range, "rotations"_a.noconvert(), "middle"_a.noconvert(), "low"_a.noconvert(),
-          "high"_a.noconvert(), "first"_a);
     nb::class_<Chain>(m, "Chain")
         .def(nb::init<std::vector<std::size_t>, std::vector<std::size_t>, std::vector<Vector>>(), "joints"_a, "above"_a,
              "offsets"_a)
         .def("placed", &Chain::placed, "rotations"_a.noconvert(), "root"_a);
     nb::class_<Leg>(m, "Leg")
-        .def(nb::init<const std::array<std::size_t, 3> &, const std::array<std::size_t, 3> &, const std::array<Quaternion, 3> &,
-                      const std::array<Vector, 3> &, const std::array<Vector, 3> &, const std::array<double, 3> &,
-                      const Vector &, double, double, double, double, double, double>(),
-             "at"_a, "above"_a, "middle"_a, "low"_a, "high"_a, "most"_a, "hinge"_a, "seconds"_a, "brake"_a, "rounding"_a,
-             "soft"_a, "straightest"_a, "backward"_a)
+        .def(nb::init<const Ranges &, const std::array<std::size_t, 3> &, const std::array<std::size_t, 3> &,
+                      const std::array<std::size_t, 3> &, const std::array<double, 3> &, const Vector &, double, double, double,
+                      double, double>(),
+             "ranges"_a, "joints"_a, "at"_a, "above"_a, "most"_a, "hinge"_a, "seconds"_a, "brake"_a, "soft"_a,
+             "straightest"_a, "backward"_a)
         .def("reach", &Leg::reach, "places"_a, "world"_a, "local"_a, "sole"_a, "target"_a, "shift"_a, "bears"_a);
 }

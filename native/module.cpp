@@ -16,6 +16,7 @@ void bind_footing(nb::module_ &m);
 void bind_live(nb::module_ &m);
 void bind_cuts(nb::module_ &m);
 void bind_weighing(nb::module_ &m);
+void bind_ranges(nb::module_ &m);
 #ifdef KINESICS_TEXT
 void bind_text(nb::module_ &m);
 #endif
@@ -34,6 +35,7 @@ NB_MODULE(_native, m) {
     bind_legs(m);
     bind_quaternions(m);
     bind_footing(m);
+    bind_ranges(m);
     bind_live(m);
     bind_cuts(m);
     bind_weighing(m);

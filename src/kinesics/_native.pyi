@@ -195,8 +195,23 @@ def blended(
 ) -> tuple[float, float, float]:
     """Add what a transition does so many seconds from its cut to ``rotations`` (joints, 4), in place; to the root it adds this."""
 
-def held_in_range(rotations: _Doubles, middle: _Doubles, low: _Doubles, high: _Doubles, first: int) -> None:
-    """Hold ``rotations`` (joints, 4) from joint ``first`` on between the ends of their ranges, in place."""
+class Ranges:
+    """How far joints go: see ``kinesics.synthesis.embodiment.ranges``."""
+
+    def __init__(
+        self, middle: _Doubles, low: _Doubles, high: _Doubles, inner: _Doubles, bent: list[int], bends: _Doubles
+    ) -> None:
+        """Of shapes (joints, 4) and (joints, 3).
+
+        Each row of ``bends`` (n, 8) has the directions of the bone before a joint of ``bent`` and of one that hangs on it, the
+        least and the greatest angle between them.
+        """
+
+    def within(self, joint: int, vectors: _Doubles) -> None:
+        """Move rotation vectors (n, 3) of a joint from its mean to within its range, in place."""
+
+    def hold(self, rotations: _Doubles, first: int) -> None:
+        """Hold ``rotations`` (joints, 4) from joint ``first`` on in their ranges, in place."""
 
 def seam(
     left: _Doubles,
@@ -261,16 +276,14 @@ class Leg:
 
     def __init__(
         self,
+        ranges: Ranges,
+        joints: list[int],
         at: list[int],
         above: list[int],
-        middle: list[_Quaternion],
-        low: list[_Vector],
-        high: list[_Vector],
         most: list[float],
         hinge: _Vector,
         seconds: float,
         brake: float,
-        rounding: float,
         soft: float,
         straightest: float,
         backward: float,

@@ -20,6 +20,7 @@ from kinesics.synthesis.embodiment.stage import (
     shortfall,
 )
 from kinesics.synthesis.live.foresight import Foresight
+from naive import ranges
 
 
 class Follower:
@@ -50,6 +51,7 @@ class Treading:
         self.stage, self.known = stage, Foresight.of(stage)
         self.legs = stage.legs
         self.joints = [*self.legs.femurs, *self.legs.tibias, *self.legs.feet]
+        self.ranges = {joint: ranges.limits(stage, joint) for joint in self.joints}
         self.soles = None
         self.lean, self.drop = np.zeros(2), 0.0
         self.shift, self.velocity, self.acceleration = np.zeros((3, 2, 2))
@@ -219,10 +221,9 @@ class Treading:
 
     def inside(self, joint: int, q: np.ndarray) -> np.ndarray:
         """The rotation of a joint within its range."""
-        stage = self.stage
-        vector = quaternion.as_rotvec(seen_from(stage.middle[joint], q))
-        held = np.clip(vector, stage.low[joint], stage.high[joint])
-        return quaternion.multiply(stage.middle[joint], quaternion.from_rotvec(held))
+        middle = self.stage.middle[joint]
+        held = ranges.within(self.stage, joint, quaternion.as_rotvec(seen_from(middle, q)), self.ranges[joint])
+        return quaternion.multiply(middle, quaternion.from_rotvec(held))
 
     def toward(self, rotations: np.ndarray, joint: int, wanted: np.ndarray) -> None:
         """Turn a joint as far as it goes in one frame to the rotation wanted."""

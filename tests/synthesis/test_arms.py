@@ -5,11 +5,13 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
+import pytest
 
 import kinesics as kx
 from kinesics.body import kinematics
 from kinesics.geometry import quaternion
 from kinesics.synthesis.embodiment.arms import _Moment, put_arms_clear
+from kinesics.synthesis.embodiment.ranges import Ranges
 from kinesics.synthesis.embodiment.stage import FLESH, Stage
 from kinesics.synthesis.repertoire import repertoire
 
@@ -26,7 +28,7 @@ def test_arms_that_another_turn_has_freed_are_left() -> None:
         assert not moment.way_round(pair, sides, found).any()
 
 
-def test_arms_that_pass_through_each_other_go_round() -> None:
+def test_arms_that_pass_through_each_other_go_round(monkeypatch: pytest.MonkeyPatch) -> None:
     """Wrists crossed ahead of the chest, first the left above and then the right: one goes round the end of the other."""
     made = repertoire(kx.performer.walk(seconds=4, fps=30.0, seed=1).motion)
     stage = Stage.of(made)
@@ -52,7 +54,10 @@ def test_arms_that_pass_through_each_other_go_round() -> None:
         rotations[:, joint] = turned
     low, high = np.full_like(stage.low, -3.0), np.full_like(stage.high, 3.0)
     pair = stage.capsules.pairs.index((names.index("left radius"), names.index("right radius")))
-    free = dataclasses.replace(stage, low=low, high=high)
+    free, own = dataclasses.replace(stage, low=low, high=high), Ranges.of(stage)
+    bends = tuple(bends._replace(least=bends.least - np.pi, most=bends.most + np.pi) for bends in own.bends)
+    freed = dataclasses.replace(own, low=low, high=high, bends=bends)
+    monkeypatch.setattr(Ranges, "of", lambda _: freed)
 
     def deepest(q: np.ndarray) -> float:
         depths = stage.capsules.depths(*kinematics.forward(skeleton, q, roots)) - stage.deepest

@@ -69,8 +69,8 @@ def test_treads_like_the_twin(
     """
     monkeypatch.setenv("KINESICS_NO_NATIVE", plain)
     turned, moved, slipped, held_back = beside_the_twin(made, 250 if plain == "0" else 80, rng)
-    assert turned < 1e-7
-    assert moved < 1e-9
+    assert turned < 1e-6
+    assert moved < 1e-7
     assert slipped > 10
     assert held_back > 10
 
@@ -79,5 +79,5 @@ def test_treads_like_the_twin_on_real_bodies(shared_data: Path, rng: np.random.G
     """A run of a body whose knees are hinges, as recorded."""
     run = kx.read(shared_data / "cmu" / "09" / "09_06.amc").resample(30.0)
     turned, moved, *_ = beside_the_twin(network(repertoire([run])), 100, rng)
-    assert turned < 1e-7
-    assert moved < 1e-9
+    assert turned < 1e-6
+    assert moved < 1e-7

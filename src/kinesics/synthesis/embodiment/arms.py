@@ -19,7 +19,7 @@ from kinesics.body.kinematics import Kinematics
 from kinesics.body.limits import Ends, segment_distance
 from kinesics.geometry import quaternion
 from kinesics.synthesis.embodiment import blending
-from kinesics.synthesis.embodiment.ranges import YIELD, both_ways, envelope, put_joint
+from kinesics.synthesis.embodiment.ranges import YIELD, Ranges, both_ways, envelope, put_joint
 from kinesics.synthesis.embodiment.stage import FLESH, Stage
 
 Array = NDArray[np.float64]
@@ -63,6 +63,7 @@ def _push_aside(stage: Stage, rotations: Array, roots: Array, shoulders: Indices
     """By the least turn of the shoulders, in place; returns whether some are too deep all the same."""
     skeleton, capsules = stage.repertoire.skeleton, stage.capsules
     reach = max(1, round(YIELD * stage.repertoire.fps))
+    ranges = Ranges.of(stage)
     middle, low, high = stage.middle[shoulders], stage.low[shoulders], stage.high[shoulders]
     some = np.arange(len(rotations))
     for _ in range(ASIDE):
@@ -96,7 +97,7 @@ def _push_aside(stage: Stage, rotations: Array, roots: Array, shoulders: Indices
                 rotations,
                 goes,
                 shoulders[side],
-                blending.add_rotation(middle[side], np.clip(now, low[side], high[side])),
+                blending.add_rotation(middle[side], ranges.within(int(shoulders[side]), now)),
             )
         some = np.flatnonzero(back.any(axis=(1, 2)))
         some = np.unique(np.clip(some[:, None] + np.arange(-2 * reach, 2 * reach + 1), 0, len(rotations) - 1))
@@ -193,7 +194,8 @@ class _Moment(NamedTuple):
         by = quaternion.from_rotvec(quaternion.rotate(quaternion.conjugate(above), vectors))
         middle = self.stage.middle[joint]
         asked = blending.rotation_offset(middle, quaternion.multiply(by, self.rotations[:, joint]))
-        return blending.add_rotation(middle, np.clip(asked, self.stage.low[joint], self.stage.high[joint]))
+        held = Ranges.of(self.stage).within(joint, asked.reshape(-1, 3)).reshape(asked.shape)
+        return blending.add_rotation(middle, held)
 
     def over(self, turns: Array, pairs: list[int]) -> Array:
         """Metres by which any of these pairs is deeper than ever at any moment: turns (ways, 2, 3) to (ways,)."""

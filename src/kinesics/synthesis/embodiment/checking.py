@@ -19,7 +19,7 @@ from kinesics.body.motion import Motion
 from kinesics.body.pose import PoseSequence
 from kinesics.body.pose import poses as _poses
 from kinesics.similarity import distance, mirror_distance, paired_distance
-from kinesics.synthesis.embodiment import blending
+from kinesics.synthesis.embodiment.ranges import Ranges
 from kinesics.synthesis.embodiment.rendering import Performance
 from kinesics.synthesis.embodiment.stage import BEARING, FLESH, Stage
 from kinesics.synthesis.paths.network import Network
@@ -237,10 +237,7 @@ def _times(count: int) -> str:
 
 def beyond(motion: Motion, stage: Stage) -> Array:
     """Radians by which each joint but those the body hangs on is beyond its range, shape (frames, joints)."""
-    vectors = blending.rotation_offset(stage.middle, motion.rotations)
-    out = np.maximum(np.maximum(stage.low - vectors, vectors - stage.high), 0.0).max(axis=-1)
-    out[:, : stage.carrier + 1] = 0.0
-    return np.asarray(out)
+    return Ranges.of(stage).beyond(motion.rotations)
 
 
 def nearest(own: PoseSequence, repertoire: Repertoire) -> Array:

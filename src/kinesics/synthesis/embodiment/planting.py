@@ -22,7 +22,7 @@ from kinesics.synthesis.embodiment import blending, footing, inverse_kinematics
 from kinesics.synthesis.embodiment.arms import SKIN, STEP, way_apart
 from kinesics.synthesis.embodiment.footing import Bounds, Stiffness
 from kinesics.synthesis.embodiment.pelvis import turned_for_the_hips
-from kinesics.synthesis.embodiment.ranges import YIELD, both_ways, envelope, put_within_range, smooth
+from kinesics.synthesis.embodiment.ranges import YIELD, Ranges, both_ways, envelope, put_within_range, smooth
 from kinesics.synthesis.embodiment.stage import (
     LIFT,
     RELEASE,
@@ -191,7 +191,7 @@ def _inward(stage: Stage, done: Footed) -> Array:
     joints = np.stack([legs.femurs, legs.tibias], axis=1)
     middle = stage.middle[joints]
     now = blending.rotation_offset(middle, done.rotations[:, joints])
-    over = np.maximum(now - stage.high[joints], 0.0) - np.maximum(stage.low[joints] - now, 0.0)
+    over = Ranges.of(stage).over(joints, now)
     out = np.zeros((len(now), 2, 3))
     some = np.flatnonzero(np.abs(over).max(axis=(1, 2, 3)) > _OVER)
     if not len(some):

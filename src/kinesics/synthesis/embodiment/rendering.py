@@ -38,7 +38,7 @@ from kinesics.similarity import paired_distance
 from kinesics.synthesis.embodiment import blending
 from kinesics.synthesis.embodiment.arms import put_arms_clear
 from kinesics.synthesis.embodiment.planting import above_the_floor, pin
-from kinesics.synthesis.embodiment.ranges import YIELD, envelope, put_joint, put_within_range
+from kinesics.synthesis.embodiment.ranges import YIELD, Ranges, envelope, put_joint, put_within_range
 from kinesics.synthesis.embodiment.rehearsal import played
 from kinesics.synthesis.embodiment.stage import LEAST_TURNING, SPARED, Seams, Stage, bearing, seams, turn_bodies
 from kinesics.synthesis.embodiment.steady_feet import unturned_feet
@@ -371,11 +371,12 @@ def _inertial(stage: Stage, laid: _Laid, room: Array) -> tuple[_Blended, Array]:
 def _not_too_far(stage: Stage, rotations: Array, blended: Array, moments: Indices, threshold: float) -> bool:
     """Where planting took a pose farther from its source than transitions are accepted at, it is taken back as far; in place.
 
-    Returns whether any was. The blend itself is nearer (`_NEAR`), and between two poses within range all are.
+    Returns whether any was. The blend itself is nearer (`_NEAR`).
     """
     repertoire = stage.repertoire
     joints = np.array([*stage.legs.femurs, *stage.legs.tibias])
     reach = max(1, round(YIELD * repertoire.fps))
+    ranges = Ranges.of(stage)
     # what planting turns are four of fifteen links
     went = False
     for _ in range(_TRIES):
@@ -393,9 +394,8 @@ def _not_too_far(stage: Stage, rotations: Array, blended: Array, moments: Indice
         goes = np.flatnonzero(share)
         for j in (*joints.tolist(), *stage.legs.feet):
             at, towards = (blending.rotation_offset(stage.middle[j], q[goes, j]) for q in (rotations, blended))
-            put_joint(
-                rotations, goes, j, blending.add_rotation(stage.middle[j], at + share[goes, None] * (towards - at))
-            )
+            held = ranges.within(j, at + share[goes, None] * (towards - at))
+            put_joint(rotations, goes, j, blending.add_rotation(stage.middle[j], held))
     return went
 
 

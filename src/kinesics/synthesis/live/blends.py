@@ -1,4 +1,4 @@
-"""Transitions frame by frame: what each adds to the joints and the root, and joints kept in their range.
+"""Transitions frame by frame: what each adds to the joints and the root.
 
 The same as `synthesis.embodiment.blending` does for a whole performance. It is compiled where that was built.
 """
@@ -14,7 +14,6 @@ from kinesics import compiled
 from kinesics.geometry import quaternion
 from kinesics.geometry.single import Vector
 from kinesics.synthesis.embodiment import blending
-from kinesics.synthesis.embodiment.stage import Stage
 
 Array = NDArray[np.float64]
 
@@ -64,26 +63,6 @@ class Blend(NamedTuple):
         rotations[:] = blending.add_rotation(rotations, added[:-1])
         x, y, z = added[-1].tolist()
         return x, y, z
-
-
-class Ranges:
-    """The ranges of a body's joints but for those that carry it whole."""
-
-    def __init__(self, stage: Stage) -> None:
-        self._first = stage.carrier + 1
-        self._middle, self._low, self._high = map(np.ascontiguousarray, (stage.middle, stage.low, stage.high))
-
-    def hold(self, rotations: Array) -> None:
-        """Keep joints within them, rotations of shape (joints, 4), in place."""
-        if compiled.wanted():
-            compiled.native.held_in_range(rotations, self._middle, self._low, self._high, self._first)
-            return
-        vectors = blending.rotation_offset(self._middle, rotations)
-        beyond = np.any((vectors < self._low) | (vectors > self._high), axis=-1)
-        beyond[: self._first] = False
-        if beyond.any():
-            held = np.clip(vectors[beyond], self._low[beyond], self._high[beyond])
-            rotations[beyond] = blending.add_rotation(self._middle[beyond], held)
 
 
 def absorbed(offset: Array, velocity: Array, earlier: Blend, since: float) -> tuple[Array, Array]:

@@ -20,14 +20,13 @@ from kinesics.body.skeleton import Skeleton
 from kinesics.geometry import single
 from kinesics.geometry.single import Quaternion, Vector
 from kinesics.synthesis.embodiment import inverse_kinematics
+from kinesics.synthesis.embodiment.ranges import ROUNDING, Ranges
 from kinesics.synthesis.embodiment.stage import LEAST_TURNING, Stage
 
 Array = NDArray[np.float64]
 
 _BRAKE: Final = 0.5
 """Share of the acceleration that there may be which is counted on for stopping: what is gone after may turn round."""
-_ROUNDING: Final = 1e-9
-"""Radians."""
 _NOWHERE: Final[Vector] = (0.0, 0.0, 0.0)
 
 
@@ -80,30 +79,27 @@ class Limb(NamedTuple):
     """Among the joints between root and soles."""
     above: int
     """The same of its parent."""
-    middle: Quaternion
-    low: Vector
-    """Least and greatest component of its rotation vector from there: its range, and what limits are known to, radians."""
-    high: Vector
+    joint: int
+    """In the skeleton."""
+    ranges: Ranges
     most: float
     """What it may be turned by in addition, radians per second²."""
 
     @classmethod
     def of(cls, stage: Stage, joint: int, place: dict[int, int]) -> Limb:
         """Of a joint of the skeleton, ``place`` telling where joints are among those between root and soles."""
-        middle: Quaternion = tuple(stage.middle[joint].tolist())
         most = max(float(stage.accelerations[joint]), LEAST_TURNING)
-        above = place[stage.repertoire.skeleton.parents[joint]]
-        return cls(place[joint], above, middle, _vector(stage.low[joint]), _vector(stage.high[joint]), most)
+        return cls(place[joint], place[stage.repertoire.skeleton.parents[joint]], joint, Ranges.of(stage), most)
 
     def inside(self, q: Quaternion) -> Quaternion:
         """A rotation within the joint's range."""
-        x, y, z = single.as_rotvec(single.undo(self.middle, q))
-        (ax, ay, az), (bx, by, bz) = self.low, self.high
-        held = (min(max(x, ax), bx), min(max(y, ay), by), min(max(z, az), bz))
+        w, x, y, z = self.ranges.middle[self.joint].tolist()
+        vector = single.as_rotvec(single.undo((w, x, y, z), q))
+        held = _vector(self.ranges.within(self.joint, np.array([vector]))[0])
         # a joint that was held stands at the end of its range: rounding is not to decide whether it is held again
-        if abs(held[0] - x) + abs(held[1] - y) + abs(held[2] - z) < _ROUNDING:
+        if sum(abs(here - there) for here, there in zip(held, vector, strict=True)) < ROUNDING:
             return q
-        return single.multiply(self.middle, single.from_rotvec(held))
+        return single.multiply((w, x, y, z), single.from_rotvec(held))
 
 
 class Stepped(NamedTuple):
@@ -170,18 +166,16 @@ def leg(stage: Stage, k: int, place: dict[int, int]) -> Leg:
     hinge, dt = _vector(stage.legs.hinges[k]), 1.0 / stage.repertoire.fps
     if not compiled.wanted():
         return _Plain(limbs, hinge, dt)
-    at, above, middle, low, high, most = (list(column) for column in zip(*limbs, strict=True))
+    at, above, turned, _, most = (list(column) for column in zip(*limbs, strict=True))
     return compiled.native.Leg(
+        Ranges.of(stage).native,
+        turned,
         at,
         above,
-        middle,
-        low,
-        high,
         most,
         hinge,
         dt,
         _BRAKE,
-        _ROUNDING,
         inverse_kinematics.SOFT,
         inverse_kinematics.STRAIGHTEST,
         inverse_kinematics.BACKWARD_KNEE,

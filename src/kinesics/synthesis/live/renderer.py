@@ -19,10 +19,11 @@ from kinesics.body.motion import Motion
 from kinesics.errors import InputError
 from kinesics.geometry import single
 from kinesics.synthesis.embodiment import blending
+from kinesics.synthesis.embodiment.ranges import Ranges
 from kinesics.synthesis.embodiment.rehearsal import played
 from kinesics.synthesis.embodiment.rendering import Performance, Provenance
 from kinesics.synthesis.embodiment.stage import Stage
-from kinesics.synthesis.live.blends import Blend, Ranges
+from kinesics.synthesis.live.blends import Blend
 from kinesics.synthesis.live.cuts import Cuts
 from kinesics.synthesis.live.foresight import Foresight, Stretch
 from kinesics.synthesis.live.poses import Poses
@@ -125,7 +126,7 @@ class LiveRenderer:
         self._treading = Treading(self.stage)
         self._poses = Poses(self.stage, own)
         self._cuts = Cuts(network, self.stage, self._poses, self._treading)
-        self._ranges = Ranges(self.stage)
+        self._ranges = Ranges.of(self.stage)
         self._foresight = Foresight.of(self.stage)
         network.edges(0, 0), network.onward  # tables that are made when first asked for
         self.path = -1

@@ -1,0 +1,171 @@
+"""Joints go no farther than in the recordings: neither the components of their rotation vectors nor the angles between bones."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import kinesics as kx
+from kinesics.geometry import quaternion
+from kinesics.synthesis.embodiment import blending
+from kinesics.synthesis.embodiment.ranges import YIELD, Ranges, put_within_range
+from kinesics.synthesis.embodiment.stage import Stage
+from kinesics.synthesis.repertoire import repertoire
+from naive import ranges as naive
+
+Array = NDArray[np.float64]
+
+
+@pytest.fixture(scope="module")
+def stage() -> Stage:
+    """Of a walk in a circle and its mirror image."""
+    walk = kx.performer.walk(seconds=5, fps=60, noise_degrees=2.0, noise_kind="smooth", route="circle", seed=6).motion
+    return Stage.of(repertoire(walk))
+
+
+def corners(stage: Stage, joint: int) -> Array:
+    """The corners of the box of a joint's components: as far as each goes, and all at once; shape (8, 3)."""
+    ends = np.stack([stage.low[joint], stage.high[joint]])
+    return np.array([[ends[i, 0], ends[j, 1], ends[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+
+
+def most_bent(stage: Stage) -> tuple[int, Array]:
+    """A joint of the legs, and the corner at which its bones are farthest beyond the angle that was recorded."""
+    ranges = Ranges.of(stage)
+    found = []
+    for joint in (*stage.legs.femurs, *stage.legs.feet):
+        over = np.abs(ranges.bends[joint].over(corners(stage, joint))).max(axis=1)
+        found.append((float(over.max()), joint, corners(stage, joint)[over.argmax()]))
+    over, joint, corner = max(found, key=lambda one: one[0])
+    assert over > np.deg2rad(1.0)
+    return joint, corner
+
+
+def test_angles_are_measured_like_the_twin(stage: Stage) -> None:
+    """Of every joint below the one that carries the body, between the bones that meet there, whatever its frame and its mean."""
+    ranges = Ranges.of(stage)
+    for joint in range(stage.repertoire.skeleton.joint_count):
+        wanted = np.array(naive.limits(stage, joint)).reshape(-1, 2)
+        assert np.abs(ranges.bends[joint].least - wanted[:, 0]).max(initial=0.0) < 1e-6
+        assert np.abs(ranges.bends[joint].most - wanted[:, 1]).max(initial=0.0) < 1e-6
+    assert sum(len(bends.own) for bends in ranges.bends) > 10
+
+
+def test_what_was_recorded_is_within(stage: Stage) -> None:
+    """Neither image is beyond at any moment, and nothing of it is put anywhere else."""
+    own, ranges = stage.repertoire, Ranges.of(stage)
+    for image in (0, 1):
+        assert ranges.beyond(own.rotations[image]).max() < 1e-9
+        put = own.rotations[image].copy()
+        put_within_range(stage, put, np.arange(stage.carrier + 1, own.skeleton.joint_count))
+        assert np.array_equal(put, own.rotations[image])
+
+
+@pytest.mark.parametrize("plain", ["0", "1"])
+def test_comes_back_like_the_twin(
+    stage: Stage, rng: np.random.Generator, plain: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Compiled and in NumPy: components cut off, then the angle farthest beyond changed along its slope."""
+    monkeypatch.setenv("KINESICS_NO_NATIVE", plain)
+    ranges, bent = Ranges.of(stage), 0
+    for joint in (*stage.legs.femurs, *stage.legs.feet):
+        known = naive.limits(stage, joint)
+        vectors = np.concatenate([1.2 * corners(stage, joint), rng.normal(0.0, 0.2, (12, 3))])
+        found = ranges.within(joint, vectors)
+        for vector, there in zip(vectors, found, strict=True):
+            try:
+                wanted = naive.within(stage, joint, vector, known)
+            except NotImplementedError:
+                continue
+            assert np.abs(there - wanted).max() < 1e-6
+            bent += bool(np.abs(there - np.clip(vector, stage.low[joint], stage.high[joint])).max() > 1e-3)
+    assert bent > 10
+
+
+@pytest.mark.parametrize("plain", ["0", "1"])
+def test_all_come_back(stage: Stage, rng: np.random.Generator, plain: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """From anywhere, half a turn away too, and at once as one by one; whoever is within stays where he is."""
+    monkeypatch.setenv("KINESICS_NO_NATIVE", plain)
+    ranges = Ranges.of(stage)
+    wild = quaternion.from_rotvec(rng.normal(0.0, 1.0, (60, len(stage.middle), 3)))
+    vectors = blending.rotation_offset(stage.middle, wild)
+    put = wild.copy()
+    for joint in range(ranges.first, len(stage.middle)):
+        held = ranges.within(joint, vectors[:, joint])
+        again = ranges.within(joint, held)
+        assert np.abs(again - held).max() < 1e-8
+        put[:, joint] = blending.add_rotation(stage.middle[joint], held)
+    assert ranges.beyond(wild).max() > 1.0
+    assert ranges.beyond(put).max() < 1e-8
+    for one, wanted in zip(wild[:10], put, strict=False):
+        held = one.copy()
+        ranges.hold(held)
+        assert quaternion.angle(held, wanted).max() < 1e-7
+        assert np.array_equal(held[: ranges.first], one[: ranges.first])
+
+
+def test_comes_back_by_about_the_shortest_way(stage: Stage, rng: np.random.Generator) -> None:
+    """Hardly farther than to the nearest of a thousand rotations within, wherever it comes from nearby."""
+    ranges = Ranges.of(stage)
+    joint, _ = most_bent(stage)
+    low, high = stage.low[joint], stage.high[joint]
+    within = rng.uniform(low, high, (4000, 3))
+    within = within[np.abs(ranges.bends[joint].over(within)).max(axis=1) == 0.0]
+    vectors = rng.uniform(low - 0.05, high + 0.05, (300, 3))
+    far = np.linalg.norm(ranges.within(joint, vectors) - vectors, axis=1)
+    nearest = np.linalg.norm(vectors[:, None] - within, axis=-1).min(axis=1)
+    assert (far > 0.02).sum() > 50
+    assert (far <= 1.1 * nearest + 1e-9).all()
+
+
+def test_a_little_farther_out_comes_back_beside_it(stage: Stage, rng: np.random.Generator) -> None:
+    """What is beyond by a little more is put by as little elsewhere: nothing leaps that goes on smoothly."""
+    ranges = Ranges.of(stage)
+    for joint in (*stage.legs.femurs, *stage.legs.feet):
+        vectors = rng.uniform(stage.low[joint] - 0.1, stage.high[joint] + 0.1, (2000, 3))
+        beside = vectors + rng.normal(0.0, 1e-5, vectors.shape)
+        moved = np.linalg.norm(ranges.within(joint, beside) - ranges.within(joint, vectors), axis=1)
+        assert (moved / np.linalg.norm(beside - vectors, axis=1)).max() < 5.0
+
+
+def test_a_joint_bent_both_ways_at_once_is_put_back_in_time(stage: Stage) -> None:
+    """Each component within its range, and yet its bones are bent farther than ever: that is counted, and comes back smoothly
+    from moments before to moments after, when nothing is changed.
+    """
+    own, ranges = stage.repertoire, Ranges.of(stage)
+    joint, corner = most_bent(stage)
+    share = np.zeros(own.frame_count)
+    share[100:160] = np.hanning(60)
+    rotations = own.rotations[0].copy()
+    at = blending.rotation_offset(stage.middle[joint], rotations[:, joint])
+    bent = at + share[:, None] * (corner - at)
+    rotations[:, joint] = blending.add_rotation(stage.middle[joint], bent)
+    assert (bent >= stage.low[joint] - 1e-9).all()
+    assert (bent <= stage.high[joint] + 1e-9).all()
+    assert ranges.beyond(rotations)[:, joint].max() > np.deg2rad(1.0)
+    put = rotations.copy()
+    put_within_range(stage, put, np.array([joint]))
+    assert ranges.beyond(put).max() < 1e-8
+    reach = 2 * round(YIELD * own.fps) + 1
+    assert np.array_equal(put[: 100 - reach], rotations[: 100 - reach])
+    assert np.array_equal(put[160 + reach :], rotations[160 + reach :])
+    leaps = [
+        np.linalg.norm(np.diff(blending.rotation_offset(q[:-1, joint], q[1:, joint]), axis=0), axis=1)
+        for q in (rotations, put)
+    ]
+    assert leaps[1].max() < 1.5 * leaps[0].max()
+
+
+def test_a_hand_is_no_straighter_between_two_postures(shared_data: Path) -> None:
+    """Halfway from a hand bent one way to the same bent another it would be straighter than ever recorded."""
+    stage = Stage.of(repertoire([kx.read(shared_data / "cmu" / "07" / "07_01.amc").resample(30.0)]))
+    ranges, own = Ranges.of(stage), stage.repertoire
+    hand = own.skeleton.joint_names.index("lhand")
+    vectors = blending.rotation_offset(stage.middle[hand], own.rotations[:, :, hand]).reshape(-1, 3)
+    between = 0.5 * (vectors[:, None] + vectors).reshape(-1, 3)[:: max(1, len(vectors) ** 2 // 4000)]
+    over = ranges.bends[hand].over(between)
+    assert over.min() < -np.deg2rad(5.0)
+    assert np.abs(ranges.bends[hand].over(ranges.within(hand, between))).max() < 1e-8
