@@ -63,7 +63,7 @@ def test_the_seam_is_that_of_the_whole(
     monkeypatch.setattr("kinesics.synthesis.embodiment.stage.REACH", reach)
     own = made.repertoire
     stage = Stage.of(own)
-    cuts = Cuts(made, stage, Poses(stage, own), Treading(stage))
+    cuts = Cuts(made, stage, Poses(stage, own, made), Treading(stage))
     last = own.frame_count - 1
     ends = [own.frame_count * strand + frame for strand in range(4) for frame in (0, last)]
     drawn = rng.integers(own.moment_count, size=(60, 2)).tolist()
@@ -82,7 +82,7 @@ def test_a_cut_is_the_same_compiled_and_in_numpy(
 ) -> None:
     """The seam, what remains of the transition before and how long each joint takes: of drawn cuts, with little time and much."""
     own, stage = made.repertoire, Stage.of(made.repertoire)
-    cuts = Cuts(made, stage, Poses(stage, own), Treading(stage))
+    cuts = Cuts(made, stage, Poses(stage, own, made), Treading(stage))
     earlier: Blend | None = None
     for k, (left, first) in enumerate(rng.integers(own.moment_count, size=(40, 2)).tolist()):
         yaw, turn, x, z = rng.uniform(-0.3, 0.3, 4)

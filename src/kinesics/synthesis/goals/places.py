@@ -239,7 +239,7 @@ class ToPlaces(_Seeking):
     def prepare(self, bend: float) -> None:
         """See `Pursuit`."""
         if self._pace:
-            self._all.to_go(self._radius, bend)
+            self._all.to_go(self._radius, bend), self._all.farthest, self._all.widest
 
     def weigh(self, trail: Trail, now: Situation, bend: float) -> Array:
         """See `TrailPursuit`: metres from the target when it is met, and metres that could have been walked meanwhile."""

@@ -101,12 +101,12 @@ class Cuts:
         turned : radians by which the first is turned about the vertical as it ends.
         heading : radians, where it then faces.
         """
-        network, own = self._network, self._poses.own
+        network, poses = self._network, self._poses
         left, first = int(network.onward[last]), int(network.first[path])
         # how the two meet: as the controller and `kinesics.synthesis.embodiment.rendering` have it
-        edge = int(network.edges(last, path))
+        edge = network.edge(last, path)
         place, met = complex(self._met[0][edge]), float(self._met[1][edge])
-        turn = turned + float(own.yaw_of(left)) + met - float(own.yaw_of(first))
+        turn = turned + poses.faces_onward[last] + met - poses.faces[path]
         return Crossing(left, first, place * cmath.exp(1j * heading), turned, turn, met)
 
     def seam(self, crossing: Crossing) -> Seam:

@@ -11,15 +11,17 @@ from numpy.typing import NDArray
 from kinesics.geometry import single
 from kinesics.geometry.single import Quaternion, Vector
 from kinesics.synthesis.embodiment.stage import Stage, frames_of_reach
+from kinesics.synthesis.paths.network import Network
 from kinesics.synthesis.repertoire import BACKWARD_STRANDS, Repertoire
 
 Array = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
 
 
 class Poses:
     """Of one performance: what its recordings play, and where."""
 
-    def __init__(self, stage: Stage, own: Repertoire) -> None:
+    def __init__(self, stage: Stage, own: Repertoire, network: Network) -> None:
         self.carrier = stage.carrier
         self.own = own
         """As it is played: `kinesics.synthesis.embodiment.rehearsal.played`."""
@@ -31,6 +33,12 @@ class Poses:
             joint = own.skeleton.parents[joint]
             self.above.insert(0, joint)
         self._starts = own.starts.tolist()
+        self.faces: list[float] = own.yaw_of(network.first).tolist()
+        """Where the body faces at the first moment of each path, radians."""
+        self.faces_onward: list[float] = own.yaw_of(network.onward).tolist()
+        """And at the moment with which its recording goes on."""
+        self._strides = np.diff(own.root_positions[..., 2] + 1j * own.root_positions[..., 0], axis=1)
+        self._halfway = np.arange(int(network.length.max(initial=0))) + 0.5
 
     def at(self, image: int, frame: int, turn: float, place: complex) -> tuple[Array, Vector]:
         """What is performed in a frame, turned and put in its place: rotations (joints, 4), and where the root is."""
@@ -39,6 +47,20 @@ class Poses:
         root: Vector = (place.imag, float(own.root_positions[image, frame, 1]), place.real)
         rotations[self.carrier] = self.faced(rotations, turn)
         return rotations, root
+
+    def way(self, image: int, frame: int, onward: int, length: int, turn: float, bend: float) -> Complexes:
+        """Where the root is in so many frames and the one behind them, seen from the first, z + i·x, metres: shape (length + 1,).
+
+        Parameters
+        ----------
+        onward : 1, or −1 backwards.
+        turn, bend : radians by which it is turned about the vertical at first, and more with every frame.
+        """
+        strides = self._strides[image]
+        moved = strides[frame : frame + length] if onward > 0 else -strides[frame - length : frame][::-1]
+        places = np.zeros(length + 1, dtype=np.complex128)
+        np.cumsum(moved * np.exp(1j * (turn + bend * self._halfway[:length])), out=places[1:])
+        return places
 
     def faced(self, rotations: Array, turn: float) -> Quaternion:
         """The rotation of the joint that a body hangs on, turned about the vertical: see `turn_bodies`."""

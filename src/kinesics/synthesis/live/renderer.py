@@ -36,8 +36,12 @@ Array = NDArray[np.float64]
 AHEAD: Final = 0.32
 """Seconds of what comes that are known where nothing else is said: about as long as a human takes to change its mind."""
 _SHORTLY: Final = 3
-"""Frames: while fewer are known, or less than half of what is to be, it is hurried: two parts of a decision or cut are done in a
-frame, of the seven that there are at most from being asked for to being known."""
+"""Frames: while fewer are known, or less than half of what is to be, it is hurried: one part more of a decision or cut is done in
+each."""
+_PARTS: Final = 6
+"""Of a decision and the cut that comes of it, from being asked for to being known, at most."""
+_THOUGHT: Final = 0.1
+"""Seconds in which they are done: of 30 frames a second each does two parts, else a transition would begin late."""
 LONGEST_AHEAD: Final = 10.0
 """Seconds."""
 _DONE: Final = object()
@@ -124,11 +128,11 @@ class LiveRenderer:
         self._paths = iter(paths)
         own = played(self.stage) if pinned else network.repertoire
         self._treading = Treading(self.stage)
-        self._poses = Poses(self.stage, own)
+        self._poses = Poses(self.stage, own, network)
         self._cuts = Cuts(network, self.stage, self._poses, self._treading)
         self._ranges = Ranges.of(self.stage)
         self._foresight = Foresight.of(self.stage)
-        network.edges(0, 0), network.onward  # tables that are made when first asked for
+        network.edge(0, 0)  # a table that is made when first asked for
         self.path = -1
         """Number of the path that is being performed, −1 before the first frame."""
         self.moment = -1
@@ -145,10 +149,11 @@ class LiveRenderer:
         self._ended = False
         self._ahead = round(ahead * network.repertoire.fps)
         self._hurried = max(_SHORTLY, self._ahead // 2)
+        self._parts = math.ceil(_PARTS / (_THOUGHT * network.repertoire.fps))
         self._frame = self._reaches = 0
         self._blends: list[Blend] = []
-        # what getting ready has made is looked through now, not by the first collections of garbage during steps
-        gc.collect(1)
+        # what getting ready has made is looked through now, not by collections of garbage during steps, tens of milliseconds long
+        gc.collect()
 
     @property
     def place(self) -> Array:
@@ -202,7 +207,7 @@ class LiveRenderer:
 
     def _look(self) -> None:
         """Ask for what comes, and get ready for it: one after the other, if there is time."""
-        for _ in range(1 if self._reaches - self._frame >= self._hurried else 2):
+        for _ in range(self._parts if self._reaches - self._frame >= self._hurried else self._parts + 1):
             self._prepare()
         while not self._known:
             if self._ended:
@@ -245,7 +250,7 @@ class LiveRenderer:
             )
         if not 0 <= path < len(network):
             raise InputError(f"Expected a path below {len(network)}, got {path}.")
-        if self._last >= 0 and int(network.edges(self._last, path)) < 0:
+        if self._last >= 0 and network.edge(self._last, path) < 0:
             raise InputError(f"Path {path} does not follow path {self._last}.")
         return path, bend
 
@@ -254,20 +259,17 @@ class LiveRenderer:
         network, repertoire = self.network, self.network.repertoire
         first, length = int(network.first[path]), int(network.length[path])
         if self._last < 0:
-            self._turn = self.heading - float(self._poses.own.yaw_of(first))
+            self._turn = self.heading - self._poses.faces[path]
         strand, frame = divmod(first, repertoire.frame_count)
         image, onward = strand % 2, -1 if BACKWARD_STRANDS[strand] else 1
         bent = bend / length
-        frames = frame + onward * np.arange(length + 1)
-        roots = self._poses.own.root_positions[image, frames]
-        moved = np.diff(roots[:, 2] + 1j * roots[:, 0]) * np.exp(1j * (self._turn + bent * (np.arange(length) + 0.5)))
-        places = self._laid + np.concatenate([[0j], np.cumsum(moved)])
+        places = self._laid + self._poses.way(image, frame, onward, length, self._turn, bent)
         self._known.append(Stretch(path, first, image, frame, onward, length, self._turn, bent, places[:-1].tolist()))
         self._last = path
         self._reaches += length
         self._laid, self._tell = complex(places[-1]), True
         self._turn += bend
-        self.heading = float(self._poses.own.yaw_of(network.onward[path])) + self._turn
+        self.heading = self._poses.faces_onward[path] + self._turn
 
     def _goes_on(self, path: int) -> bool:
         """Whether a path is performed without leaving the recording that is played."""
@@ -279,7 +281,6 @@ class LiveRenderer:
         leap = self._cuts.leap(crossing) if self.pinned else 0j
         yield
         seam = self._cuts.seam(crossing)
-        yield
         earlier = self._blends[-1] if self._blends and self._blends[-1].ends > self._reaches else None
         blend = self._cuts.blend(seam, leap, self._reaches, self._reaches - self._frame, earlier)
         if earlier is not None:

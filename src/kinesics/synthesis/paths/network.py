@@ -123,6 +123,13 @@ class Network:
         at = np.minimum(np.searchsorted(keys, key), len(keys) - 1)
         return np.where(keys[at] == key, order[at], -1)
 
+    def edge(self, before: int, after: int) -> int:
+        """`edges` of one path behind one other."""
+        order, keys = self._ordered
+        key = before * len(self) + after
+        at = int(keys.searchsorted(key))
+        return int(order[at]) if at < len(keys) and keys[at] == key else -1
+
     @cached_property
     def _ordered(self) -> tuple[Indices, Indices]:
         """Places in `indices` in the order of both paths' numbers, and those numbers as one."""
