@@ -1,9 +1,7 @@
 """Make the template of the human figure: src/kinesics/body/figure.npz.
 
-A neutral mannequin of 1.75 m, facing +z, its arms 45° below the horizontal, modelled as a smooth union of lofts and round
-cones and polygonised as one closed surface. Lengths are those of Drillis & Contini (1966), as printed in Winter,
-*Biomechanics and Motor Control of Human Movement* (4th ed. 2009), fig. 4.1; breadths and depths are near those of the
-middle of men and women in NASA-STD-3000, fig. 3.3.1.3-1, rounded by eye.
+The shape (`figure_shape`) is polygonised as one closed surface, and every vertex gets its shares of the bones and of the
+helpers at the joints, which `kinesics.body.figure` describes.
 
 Run by hand, only when the figure is to change; it needs what the package does not:
 
@@ -19,283 +17,25 @@ import argparse
 from pathlib import Path
 
 import numpy as np
+from figure_shape import (
+    FOLD,
+    HIP,
+    KEEP,
+    LEG,
+    POINTS,
+    Array,
+    along_arm,
+    arm,
+    hand,
+    head,
+    neck,
+    smooth_union,
+    surface,
+    trunk,
+)
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-
-FOLD, KEEP = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 1.0])
 TARGET = Path(__file__).resolve().parents[1] / "src" / "kinesics" / "body" / "figure.npz"
-
-# ------------------------------------------------------------------------------------------------------- the skeleton
-
-ARM = np.array([np.cos(np.pi / 4), -np.sin(np.pi / 4), 0.0])
-SHOULDER = np.array([0.172, 1.425, -0.012])
-HIP = np.array([0.091, 0.925, 0.0])
-LEG = np.array([0.012, -1.0, -0.008]) / np.linalg.norm([0.012, -1.0, -0.008])
-POINTS = {
-    "hips": np.array([0.0, 0.925, 0.0]),
-    "shoulders": np.array([0.0, 1.425, -0.012]),
-    "skull": np.array([0.0, 1.585, 0.004]),
-    "crown": np.array([0.0, 1.752, 0.004]),
-    "shoulder": SHOULDER,
-    "elbow": SHOULDER + 0.318 * ARM,
-    "wrist": SHOULDER + 0.572 * ARM,
-    "fingers": SHOULDER + 0.755 * ARM,
-    "hip": HIP,
-    "knee": HIP + 0.427 * LEG,
-    "ankle": HIP + 0.846 * LEG,
-    "ball": HIP + 0.846 * LEG + np.array([0.006, -0.056, 0.128]),
-    "toes": HIP + 0.846 * LEG + np.array([0.006, -0.062, 0.196]),
-}
-
-# ------------------------------------------------------------------------------------------------------------ shapes
-
-
-def smooth_union(*fields: Array, k: float) -> Array:
-    """Polynomial smooth minimum, one after the other."""
-    out = fields[0]
-    for other in fields[1:]:
-        h = np.clip(0.5 + 0.5 * (other - out) / k, 0.0, 1.0)
-        out = other + (out - other) * h - k * h * (1.0 - h)
-    return out
-
-
-def curve(t: Array, knots: list[tuple[float, ...]], column: int) -> Array:
-    """A smooth curve through knots (t, value, value …)."""
-    from scipy.interpolate import PchipInterpolator
-
-    table = np.array(knots)
-    return np.asarray(PchipInterpolator(table[:, 0], table[:, column])(np.clip(t, table[0, 0], table[-1, 0])))
-
-
-def loft(u: Array, v: Array, w: Array, knots: list[tuple[float, ...]], power: float = 2.0) -> Array:
-    """A tube along u whose section is an ellipse with its own front and back: knots (u, half v, front w, back w)."""
-    a, front, back = (curve(u, knots, c) for c in (1, 2, 3))
-    middle, b = (front + back) / 2, (front - back) / 2
-    rho = (np.abs(v / a) ** power + np.abs((w - middle) / b) ** power) ** (1 / power)
-    side = (rho - 1.0) * np.minimum(a, b)
-    low, high = knots[0][0], knots[-1][0]
-    beyond = np.maximum(np.maximum(low - u, u - high), 0.0)
-    return np.where(beyond > 0, np.hypot(np.maximum(side, 0.0), beyond) + np.minimum(side, 0.0) * (beyond == 0), side)
-
-
-def cone(p: Array, a: Array, b: Array, ra: float, rb: float) -> Array:
-    """A capsule from a to b with two radii."""
-    ab = b - a
-    t = np.clip((p - a) @ ab / (ab @ ab), 0.0, 1.0)
-    return np.asarray(np.linalg.norm(p - a - t[:, None] * ab, axis=1) - (ra + (rb - ra) * t))
-
-
-def ellipsoid(p: Array, centre: tuple[float, float, float], radii: tuple[float, float, float]) -> Array:
-    """An ellipsoid along the axes."""
-    q = p - np.array(centre)
-    k0 = np.linalg.norm(q / np.array(radii), axis=1)
-    k1 = np.linalg.norm(q / np.array(radii) ** 2, axis=1)
-    return np.asarray(k0 * (k0 - 1.0) / np.maximum(k1, 1e-9))
-
-
-# height; half width, front, back
-TRUNK = [
-    (0.825, 0.100, 0.050, -0.060),
-    (0.850, 0.140, 0.080, -0.094),
-    (0.900, 0.168, 0.094, -0.112),
-    (0.950, 0.168, 0.099, -0.110),
-    (1.000, 0.157, 0.100, -0.097),
-    (1.060, 0.140, 0.097, -0.084),
-    (1.110, 0.134, 0.095, -0.082),
-    (1.170, 0.139, 0.100, -0.090),
-    (1.240, 0.150, 0.109, -0.102),
-    (1.300, 0.160, 0.116, -0.112),
-    (1.350, 0.162, 0.112, -0.117),
-    (1.400, 0.148, 0.094, -0.115),
-    (1.440, 0.112, 0.066, -0.104),
-    (1.470, 0.076, 0.046, -0.088),
-    (1.500, 0.060, 0.045, -0.076),
-]
-NECK = [
-    (1.420, 0.070, 0.050, -0.080),
-    (1.470, 0.058, 0.046, -0.070),
-    (1.510, 0.052, 0.046, -0.062),
-    (1.560, 0.050, 0.046, -0.060),
-    (1.600, 0.050, 0.044, -0.062),
-]
-# along the limb; half breadth, front, back
-UPPER_LEG = [
-    (-0.13, 0.030, 0.040, -0.040),
-    (-0.06, 0.062, 0.068, -0.076),
-    (0.00, 0.077, 0.083, -0.092),
-    (0.06, 0.079, 0.087, -0.091),
-    (0.14, 0.076, 0.087, -0.080),
-    (0.24, 0.067, 0.078, -0.069),
-    (0.34, 0.058, 0.066, -0.058),
-    (0.40, 0.053, 0.059, -0.053),
-    (0.430, 0.052, 0.058, -0.052),
-    (0.470, 0.050, 0.050, -0.055),
-    (0.530, 0.053, 0.045, -0.068),
-    (0.580, 0.053, 0.042, -0.070),
-    (0.660, 0.046, 0.038, -0.058),
-    (0.740, 0.036, 0.035, -0.042),
-    (0.800, 0.032, 0.035, -0.037),
-    (0.850, 0.034, 0.038, -0.040),
-]
-# along the arm; half breadth across (up), front, back
-UPPER_ARM = [
-    (-0.02, 0.044, 0.050, -0.050),
-    (0.05, 0.047, 0.052, -0.051),
-    (0.10, 0.046, 0.051, -0.049),
-    (0.16, 0.045, 0.048, -0.047),
-    (0.22, 0.042, 0.043, -0.044),
-    (0.28, 0.039, 0.039, -0.041),
-    (0.318, 0.037, 0.039, -0.041),
-    (0.36, 0.038, 0.042, -0.041),
-    (0.41, 0.037, 0.041, -0.039),
-    (0.47, 0.031, 0.036, -0.034),
-    (0.53, 0.024, 0.031, -0.030),
-    (0.572, 0.0215, 0.029, -0.028),
-    (0.60, 0.020, 0.031, -0.029),
-]
-
-
-def along_arm(p: Array) -> Array:
-    """Along the arm, across it (upward), forward."""
-    across = np.array([-ARM[1], ARM[0], 0.0])
-    q = p - SHOULDER
-    return np.stack([q @ ARM, q @ across, q[:, 2]], axis=1)
-
-
-def hand(p: Array) -> Array:
-    """Palm down, fingers a little apart and bent, the thumb forward."""
-    q = along_arm(p) - np.array([0.572, 0.0, 0.0])
-    palm = loft(
-        q[:, 0],
-        q[:, 1] + 0.002,
-        q[:, 2],
-        [
-            (0.000, 0.0200, 0.028, -0.027),
-            (0.025, 0.0170, 0.037, -0.032),
-            (0.055, 0.0155, 0.043, -0.039),
-            (0.085, 0.0135, 0.044, -0.042),
-            (0.098, 0.0105, 0.040, -0.040),
-        ],
-        power=2.6,
-    )
-    fields = []
-    for z, start, first, rest, radius, spread in (
-        (0.0335, 0.086, 0.040, 0.038, 0.0088, 0.07),
-        (0.0110, 0.090, 0.044, 0.042, 0.0090, 0.022),
-        (-0.0110, 0.088, 0.041, 0.039, 0.0086, -0.025),
-        (-0.0325, 0.080, 0.033, 0.030, 0.0078, -0.085),
-    ):
-        a = np.array([start - 0.02, -0.001, z])
-        b = a + (first + 0.02) * np.array([np.cos(0.12), -np.sin(0.12), spread])
-        c = b + rest * np.array([np.cos(0.32), -np.sin(0.32), spread * 0.5])
-        fields.append(smooth_union(cone(q, a, b, radius * 1.08, radius), cone(q, b, c, radius, radius * 0.82), k=0.004))
-    fingers = np.minimum.reduce(fields)
-    knuckle = np.array([0.052, -0.010, 0.052])
-    thumb = smooth_union(
-        cone(q, np.array([0.018, -0.004, 0.026]), knuckle, 0.0150, 0.0115),
-        cone(q, knuckle, np.array([0.095, -0.016, 0.071]), 0.0112, 0.0090),
-        k=0.008,
-    )
-    return smooth_union(smooth_union(palm, fingers, k=0.007), thumb, k=0.014)
-
-
-def head(p: Array) -> Array:
-    """Skull, face, jaw and a nose: enough to see where it looks."""
-    skull = ellipsoid(p, (0.0, 1.662, -0.012), (0.076, 0.092, 0.098))
-    face = ellipsoid(p, (0.0, 1.612, 0.030), (0.060, 0.084, 0.066))
-    jaw = ellipsoid(p, (0.0, 1.553, 0.058), (0.040, 0.030, 0.040))
-    nose = cone(p, np.array([0.0, 1.650, 0.090]), np.array([0.0, 1.606, 0.108]), 0.009, 0.0135)
-    brow = cone(
-        np.abs(p) * FOLD + p * KEEP,
-        np.array([0.0, 1.655, 0.086]),
-        np.array([0.038, 1.655, 0.070]),
-        0.011,
-        0.009,
-    )
-    ear = ellipsoid(np.abs(p) * FOLD + p * KEEP, (0.074, 1.622, -0.014), (0.012, 0.030, 0.018))
-    out = smooth_union(skull, face, k=0.030)
-    out = smooth_union(out, jaw, k=0.030)
-    out = smooth_union(out, brow, k=0.022)
-    out = smooth_union(out, nose, k=0.014)
-    return smooth_union(out, ear, k=0.010)
-
-
-def foot(p: Array) -> Array:
-    """A plain shod foot, flat below."""
-    ankle = POINTS["ankle"]
-    q = p - np.array([ankle[0], 0.0, ankle[2]])
-    outward = 0.055 * q[:, 2]
-    sole = loft(
-        q[:, 2],
-        q[:, 0] - outward,
-        q[:, 1],
-        [
-            (-0.064, 0.012, 0.030, 0.010),
-            (-0.056, 0.025, 0.052, 0.002),
-            (-0.035, 0.033, 0.080, 0.000),
-            (0.000, 0.035, 0.096, 0.001),
-            (0.045, 0.037, 0.084, 0.003),
-            (0.090, 0.044, 0.060, 0.001),
-            (0.130, 0.048, 0.044, 0.000),
-            (0.165, 0.046, 0.035, 0.001),
-            (0.190, 0.037, 0.028, 0.004),
-            (0.202, 0.020, 0.022, 0.009),
-        ],
-        power=2.8,
-    )
-    ankle_bone = cone(p, ankle + np.array([0, 0.06, -0.004]), ankle + np.array([0, -0.025, -0.006]), 0.034, 0.036)
-    return smooth_union(sole, ankle_bone, k=0.03)
-
-
-def trunk(p: Array) -> Array:
-    """Pelvis to shoulders."""
-    body = loft(p[:, 1], p[:, 0], p[:, 2], TRUNK, power=2.3)
-    # a little relief: breast, shoulder blades, buttocks
-    x = np.abs(p[:, 0])
-    folded = np.stack([x, p[:, 1], p[:, 2]], axis=1)
-    breast = ellipsoid(folded, (0.074, 1.318, 0.062), (0.084, 0.062, 0.046))
-    blade = ellipsoid(folded, (0.085, 1.335, -0.080), (0.070, 0.085, 0.036))
-    seat = ellipsoid(folded, (0.076, 0.885, -0.062), (0.080, 0.085, 0.070))
-    for part in (breast, blade, seat):
-        body = smooth_union(body, part, k=0.04)
-    slope = cone(folded, np.array([0.02, 1.474, -0.034]), SHOULDER + np.array([0.004, 0.002, -0.004]), 0.060, 0.052)
-    return smooth_union(body, slope, k=0.045)
-
-
-def arm(p: Array) -> Array:
-    """Shoulder to wrist."""
-    q = along_arm(p)
-    tube = loft(q[:, 0], q[:, 1], q[:, 2], UPPER_ARM)
-    deltoid = ellipsoid(p, tuple(SHOULDER + 0.045 * ARM + [-0.002, -0.004, 0.0]), (0.050, 0.058, 0.057))
-    return smooth_union(tube, deltoid, k=0.03)
-
-
-def leg(p: Array) -> Array:
-    """Hip to ankle."""
-    q = p - HIP
-    along = q @ LEG
-    rest = q - along[:, None] * LEG
-    return loft(along, rest[:, 0], rest[:, 2], UPPER_LEG)
-
-
-def neck(p: Array) -> Array:
-    """Between shoulders and skull; it leans forward."""
-    z = p[:, 2] - np.interp(p[:, 1], [1.42, 1.60], [-0.010, 0.006])
-    return loft(p[:, 1], p[:, 0], z, NECK)
-
-
-def surface(p: Array) -> Array:
-    """Signed distance, nearly, of the whole figure; points (n, 3) with x ≥ 0."""
-    mirrored = p * [-1.0, 1.0, 1.0]
-    legs = smooth_union(leg(p), leg(mirrored), k=0.012)
-    out = smooth_union(trunk(p), legs, k=0.05)
-    out = smooth_union(out, neck(p), k=0.045)
-    out = smooth_union(out, head(p), k=0.022)
-    out = smooth_union(out, arm(p), k=0.05)
-    out = smooth_union(out, hand(p), k=0.012)
-    return smooth_union(out, foot(p), k=0.03)
-
 
 # ----------------------------------------------------------------------------------------------------- polygonised
 
@@ -390,63 +130,125 @@ def gradient(p: Array) -> Array:
 
 # ------------------------------------------------------------------------------------------------------------ weights
 
-BONES = ("axial", "clavicle", "humerus", "radius", "hand", "femur", "tibia", "foot", "toes")
+ARM_CHAIN = ("humerus_half", "humerus_swing", "humerus", "radius_half", "radius_swing", "radius", "hand_twist", "hand")
+LEG_CHAIN = ("femur_half", "femur_swing", "femur", "tibia_half", "tibia", "foot", "toes")
+BONES = ("axial", "clavicle", *ARM_CHAIN, *LEG_CHAIN)
 """Of the left half. "axial" is spread over pelvis, spine, neck and head when the figure is fitted to a skeleton."""
 
 
-def ramp(t: Array, middle: float, half: float) -> Array:
+def eased(t: Array) -> Array:
+    """0 before 0, 1 after 1, smooth between."""
+    s = np.clip(t, 0.0, 1.0)
+    return np.asarray(s * s * (3.0 - 2.0 * s))
+
+
+def ramp(t: Array, middle: float | Array, half: float | Array) -> Array:
     """0 before, 1 after, smooth between."""
     s = np.clip((t - middle) / (2 * half) + 0.5, 0.0, 1.0)
     return np.asarray(s * s * s * (s * (6 * s - 15) + 10))
 
 
-def weights(vertices: Array, faces: NDArray[np.intp]) -> Array:
-    """Shares of the bones, shape (n, len(BONES)): which part of the shape a vertex belongs to, diffused along the surface."""
-    from scipy.sparse import coo_array, diags_array
-    from scipy.sparse.linalg import splu
+class Spread:
+    """Diffusion along the surface: (M + r² L)⁻¹ M."""
 
-    p = vertices
-    body = smooth_union(trunk(p), neck(p), head(p), k=0.02)
+    def __init__(self, vertices: Array, faces: NDArray[np.intp]) -> None:
+        from scipy.sparse import coo_array, diags_array
+
+        n = len(vertices)
+        corners = [vertices[faces[:, k]] for k in range(3)]
+        area = np.linalg.norm(np.cross(corners[1] - corners[0], corners[2] - corners[0]), axis=1) / 2
+        self.mass = np.zeros(n)
+        np.add.at(self.mass, faces.ravel(), np.repeat(area / 3, 3))
+        stiff = coo_array((n, n)).tocsr()
+        for k in range(3):
+            one, other = corners[(k + 1) % 3] - corners[k], corners[(k + 2) % 3] - corners[k]
+            # a little more than nothing, so that slivers do not repel
+            cotangent = np.maximum(np.einsum("ij,ij->i", one, other) / np.maximum(4 * area, 1e-12), 1e-3)
+            pair = (faces[:, (k + 1) % 3], faces[:, (k + 2) % 3])
+            stiff = stiff + coo_array((cotangent, pair), shape=(n, n)).tocsr()
+        stiff = stiff + stiff.T
+        self.laplacian = diags_array(stiff.sum(axis=1)) - stiff
+
+    def __call__(self, field: Array, reach: float) -> Array:
+        from scipy.sparse import diags_array
+        from scipy.sparse.linalg import splu
+
+        matrix = (diags_array(self.mass) + reach**2 * self.laplacian).tocsc()
+        return np.asarray(np.clip(splu(matrix).solve(self.mass * field), 0.0, 1.0))
+
+
+def weights(vertices: Array, faces: NDArray[np.intp]) -> Array:
+    """Shares of the bones and helpers, shape (n, len(BONES)).
+
+    Along a limb one hands over to the next: how far a place is past the shoulder or the hip depends on which shape it belongs
+    to, diffused along the surface; past elbow and knee, on how far along the limb it lies.
+    """
+    p, spread = vertices, Spread(vertices, faces)
     height = p[:, 1]
     u, across, _ = along_arm(p).T
+    body = smooth_union(trunk(p), neck(p), head(p), k=0.02)
     beside_arm = (u > 0.16) & (across > -0.16)
+    # on top all of the deltoid follows the arm, so that a raised one leaves no cleft above the collar
+    above = np.clip(across / 0.045, 0.0, 1.0)
     # the shoulder: what is nearer to the arm's shape than to the trunk's, and beyond the joint
     of_arm = (
-        ramp(body - np.minimum(arm(p), hand(p)), 0.004, 0.035)
-        * ramp(u + 0.25 * np.maximum(-across, 0.0), 0.030, 0.060)
+        ramp(body - np.minimum(arm(p), hand(p)), 0.002, 0.030)
+        * ramp(u + 0.25 * np.maximum(-across, 0.0), 0.022 - 0.036 * above, 0.060 - 0.008 * above)
         * (height > 1.1)
     )
-    of_arm = np.where(beside_arm, 1.0, of_arm)
-    # the groin: what lies below the hip joint goes with the leg, more of it at the outside and in front
-    line = HIP[1] - 0.045 + 0.55 * (p[:, 0] - HIP[0]) + 0.25 * p[:, 2]
-    of_leg = np.where(beside_arm, 0.0, ramp(line - height, 0.0, 0.055))
-    out = np.zeros((len(p), len(BONES)))
-    forearm = ramp(u, 0.318, 0.040)
-    palm = ramp(u, 0.555, 0.045)
-    out[:, 2], out[:, 3], out[:, 4] = of_arm * (1 - forearm), of_arm * forearm * (1 - palm), of_arm * palm
-    along = (p - HIP) @ LEG
-    shank = ramp(along, 0.427, 0.045)
-    below = ramp(along - 0.20 * (p[:, 2] + 0.02), 0.822, 0.030)
+    shoulder = spread(np.where(beside_arm, 1.0, of_arm), 0.030)
+    elbow = spread(ramp(u, 0.318, 0.055) * beside_arm, 0.008)
+    # the hip: the crease of the groin in front, broad behind, where the seat is drawn out
+    beyond_hip = p[:, 0] - HIP[0]
+    line = 0.895 + np.where(beyond_hip > 0.0, 0.6, 0.3) * beyond_hip + 0.35 * p[:, 2]
+    half = 0.055 + 0.30 * np.maximum(-p[:, 2], 0.0) * np.clip(p[:, 0] / 0.08, 0.0, 1.0)
+    of_leg = np.where(beside_arm, 0.0, ramp(line - height, 0.0, half))
+    # between the legs the flesh is the trunk's
+    of_leg *= np.maximum(ramp(p[:, 0], 0.018, 0.018), ramp(0.812 - height, 0.0, 0.02))
+    hip = spread(of_leg, 0.022)
+    along = np.where(beside_arm, -1.0, (p - HIP) @ LEG)
+    knee = spread(ramp(along, 0.427, 0.055 + 0.35 * np.maximum(p[:, 2], 0.0)), 0.010)
+    below = ramp(along - 0.20 * (p[:, 2] + 0.02), 0.822, 0.034)
     toe = ramp(p[:, 2], POINTS["ball"][2] - 0.006, 0.028) * below
-    out[:, 5], out[:, 6] = of_leg * (1 - shank), of_leg * shank * (1 - below)
-    out[:, 7], out[:, 8] = of_leg * below * (1 - toe), of_leg * below * toe
-    rest = np.clip(1.0 - out.sum(axis=1), 0.0, 1.0)
-    collar = ramp(p[:, 0], 0.085, 0.05) * ramp(height - 0.25 * (p[:, 0] - 0.1), 1.385, 0.045)
+
+    def halfway(far: Array, share: float | Array) -> tuple[Array, Array]:
+        """From how far a place is past a joint: what lies beyond the parent, and beyond the half; as much of it as is said."""
+        straight = eased(far)
+        return share * eased(2 * far) + (1 - share) * straight, share * eased(2 * far - 1) + (1 - share) * straight
+
+    def passed(*steps: Array) -> list[Array]:
+        """How much of a place lies beyond each step: never more than beyond the one before."""
+        return [np.minimum.reduce(steps[: k + 1]) for k in range(len(steps))]
+
+    # an armpit is hollow: there the joint and its parent meet with less of the half between them, which would bulge
+    between = 0.55 - 0.25 * np.clip(-across / 0.05, 0.0, 1.0)
+    limbs = (
+        passed(
+            *halfway(shoulder, between),
+            ramp(u, 0.19, 0.13),
+            *halfway(elbow, 1.0),
+            ramp(u, 0.43, 0.08),
+            ramp(u, 0.505, 0.055),
+            ramp(u, 0.566, 0.034),
+        ),
+        passed(
+            *halfway(hip, 0.5 + 0.5 * np.clip(-p[:, 2] / 0.06, 0.0, 1.0)),
+            ramp(along, 0.24, 0.15),
+            *halfway(knee, 1.0),
+            spread(below, 0.008),
+            spread(toe, 0.008),
+        ),
+    )
+    out = np.zeros((len(p), len(BONES)))
+    column = 2
+    for beyond in limbs:
+        for here, after in zip(beyond, [*beyond[1:], np.zeros(len(p))], strict=True):
+            out[:, column] = here - after
+            column += 1
+    rest = np.clip(1.0 - limbs[0][0] - limbs[1][0], 0.0, 1.0)
+    collar = spread(ramp(p[:, 0], 0.085, 0.06) * ramp(height - 0.25 * (p[:, 0] - 0.1), 1.385, 0.05), 0.020)
     out[:, 1], out[:, 0] = rest * collar, rest * (1 - collar)
-    # diffusion along the surface: (M + t L)⁻¹ M, cotangents left out for plain edge weights
-    n = len(p)
-    pairs = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    length = np.linalg.norm(p[pairs[:, 0]] - p[pairs[:, 1]], axis=1)
-    area = np.zeros(n)
-    cross = np.linalg.norm(np.cross(p[faces[:, 1]] - p[faces[:, 0]], p[faces[:, 2]] - p[faces[:, 0]]), axis=1)
-    np.add.at(area, faces.ravel(), np.repeat(cross / 6, 3))
-    strength = np.repeat((cross / 2)[None], 3, axis=0).ravel() / np.maximum(length, 1e-5) ** 2 * 0.5
-    stiff = coo_array((strength, (pairs[:, 0], pairs[:, 1])), shape=(n, n)).tocsr()
-    stiff = stiff + stiff.T
-    laplacian = diags_array(stiff.sum(axis=1)) - stiff
-    solve = splu((diags_array(area) + 0.013**2 * laplacian).tocsc())
-    out = np.maximum(solve.solve(area[:, None] * out), 0.0)
-    out[out < 0.01] = 0.0
+    out[out < 0.004] = 0.0
     return np.asarray(out / out.sum(axis=1, keepdims=True))
 
 

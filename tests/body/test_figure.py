@@ -9,6 +9,7 @@ import bodies
 import kinesics as kx
 from kinesics.body import anatomy, figure
 from kinesics.body.anatomy import understood
+from kinesics.body.skeleton import Skeleton
 from kinesics.errors import SkeletonError
 from kinesics.geometry import quaternion
 from naive import skinning
@@ -21,6 +22,14 @@ def lame() -> kx.Motion:
     for name, factor in (("LeftLeg", 1.07), ("LeftFoot", 1.05), ("LeftForeArm", 1.1), ("LeftArm", 1.05)):
         offsets[motion.skeleton.find(name)] *= factor
     return motion.replace(skeleton=motion.skeleton.replace(offsets=offsets, anatomy=None))
+
+
+def bound(fitted: figure.Figure) -> np.ndarray:
+    """Local rotations of the joints in the binding pose."""
+    world = fitted.bind_rotations[: len(fitted.joint_parents)]
+    local = world.copy()
+    local[1:] = quaternion.multiply(quaternion.conjugate(world[list(fitted.joint_parents[1:])]), world[1:])
+    return local
 
 
 @pytest.fixture(params=["performer", "small", "lame"])
@@ -72,7 +81,7 @@ def test_weights_are_shares(motion) -> None:
     np.testing.assert_allclose(fitted.weights.sum(axis=1), 1.0, atol=1e-12)
     assert np.all(np.diff(fitted.weights, axis=1) <= 0.0)
     assert fitted.joints.min() >= 0
-    assert fitted.joints.max() < motion.skeleton.joint_count
+    assert fitted.joints.max() < motion.skeleton.joint_count + len(fitted.helpers)
 
 
 def test_an_even_body_has_an_even_figure() -> None:
@@ -107,8 +116,18 @@ def test_bones_run_inside_the_flesh(motion) -> None:
     for name in ("LeftLeg", "RightLeg", "LeftForeArm", "RightForeArm"):
         j = motion.skeleton.find(name)
         up = motion.skeleton.parents[j]
-        # the seam: vertices that both bones pull at alike
-        both = [np.where(fitted.joints == k, fitted.weights, 0.0).sum(axis=1) for k in (j, up)]
+        # the seam: vertices that both bones pull at alike, or what stands halfway
+        swings = {len(fitted.joint_parents) + k: h.swing for k, h in enumerate(fitted.helpers) if h.joint == j}
+        lower = sum(
+            share * np.where(fitted.joints == k, fitted.weights, 0.0).sum(axis=1) for k, share in swings.items()
+        )
+        lower = lower + np.where(fitted.joints == j, fitted.weights, 0.0).sum(axis=1)
+        above = {
+            len(fitted.joint_parents) + k for k, h in enumerate(fitted.helpers) if h.joint == up and h.swing == 1.0
+        }
+        upper = np.where(np.isin(fitted.joints, [up, *above, *swings]), fitted.weights, 0.0).sum(axis=1)
+        upper -= lower - np.where(fitted.joints == j, fitted.weights, 0.0).sum(axis=1)
+        both = [lower, upper]
         seam = (np.abs(both[0] - both[1]) < 0.25) & (both[0] + both[1] > 0.9)
         assert seam.sum() >= 8
         assert np.linalg.norm(skin[:, seam].mean(axis=1) - joints[:, j], axis=1).max() < 0.03
@@ -122,7 +141,14 @@ def test_skinning_agrees_with_its_definition(motion, rng) -> None:
     ]
     skin = fitted.posed(motion)
     for frame in range(0, motion.frame_count, 3):
-        matrices = skinning.world_matrices(motion.skeleton, motion.rotations[frame], motion.root_positions[frame])
+        turns = motion.rotations[frame]
+        matrices = skinning.world_matrices(motion.skeleton, turns, motion.root_positions[frame])
+        for helper in fitted.helpers:
+            j = helper.joint
+            turn = quaternion.multiply(turns[j], quaternion.conjugate(bound(fitted)[j]))
+            own = skinning.helped(turn, helper.axis, helper.swing, helper.twist)
+            place = motion.skeleton.offsets[j]
+            matrices.append(matrices[motion.skeleton.parents[j]] @ skinning.placed(own, place))
         for v in rng.integers(0, len(fitted.vertices), 40):
             twin = skinning.skinned(fitted.vertices[v], fitted.joints[v], fitted.weights[v], inverse, matrices)
             assert np.abs(skin[frame, v] - twin).max() < 1e-9
@@ -131,11 +157,8 @@ def test_skinning_agrees_with_its_definition(motion, rng) -> None:
 def test_in_the_binding_pose_the_joints_are_where_they_are_bound(motion) -> None:
     """Local rotations that lead to the binding pose give its joints and its vertices back."""
     fitted = figure.fit(motion.skeleton)
-    parents = list(motion.skeleton.parents[1:])
-    local = fitted.bind_rotations.copy()
-    local[1:] = quaternion.multiply(quaternion.conjugate(fitted.bind_rotations[parents]), fitted.bind_rotations[1:])
-    still = motion.replace(rotations=local[None], root_positions=fitted.bind_positions[:1])
-    np.testing.assert_allclose(still.positions()[0], fitted.bind_positions, atol=1e-12)
+    still = motion.replace(rotations=bound(fitted)[None], root_positions=fitted.bind_positions[:1])
+    np.testing.assert_allclose(still.positions()[0], fitted.bind_positions[: motion.skeleton.joint_count], atol=1e-12)
     np.testing.assert_allclose(fitted.posed(still)[0], fitted.vertices, atol=1e-12)
     upright = kx.poses(still).quaternions[0]
     arms = [9, 13]
@@ -157,9 +180,7 @@ def test_limbs_keep_their_thickness_when_they_bend() -> None:
     motion = understood(bodies.legs_striding(1))
     skeleton = motion.skeleton
     fitted = figure.fit(skeleton)
-    parents = list(skeleton.parents[1:])
-    local = fitted.bind_rotations.copy()
-    local[1:] = quaternion.multiply(quaternion.conjugate(fitted.bind_rotations[parents]), fitted.bind_rotations[1:])
+    local = bound(fitted)
     for name, axis, angle in (("LeftForeArm", [0, 1, 0], -1.57), ("LeftLeg", [1, 0, 0], 1.57)):
         j = skeleton.find(name)
         bent = local.copy()
@@ -179,3 +200,89 @@ def test_what_is_no_body_gets_no_figure() -> None:
     body = anatomy.understood(motion).skeleton
     with pytest.raises(SkeletonError, match="length"):
         figure.fit(body.replace(offsets=body.offsets * 0.0))
+
+
+# -------------------------------------------------------------------------------------------------- poses far from rest
+
+
+def turned(fitted: figure.Figure, skeleton: Skeleton, **away: tuple[str, float]) -> kx.Motion:
+    """The binding pose with parts turned about a world axis, with what hangs on them: "femur" both, the right side mirrored."""
+    local = bound(fitted)
+    world = fitted.bind_rotations[: skeleton.joint_count]
+    for part, (axis, degrees) in away.items():
+        direction = np.eye(3)["xyz".index(axis)]
+        for side in ("left", "right"):
+            sign = -1.0 if side == "right" and axis != "x" else 1.0
+            j = getattr(skeleton.anatomy.roles, f"{side}_{part}")
+            parent = quaternion.conjugate(world[skeleton.parents[j]])
+            turn = quaternion.from_axis_angle(quaternion.rotate(parent, direction), sign * np.radians(degrees))
+            local[j] = quaternion.multiply(turn, local[j])
+    return kx.Motion(skeleton, local[None], fitted.bind_positions[:1], 30.0)
+
+
+def volume(skin: np.ndarray, triangles: np.ndarray) -> float:
+    """Enclosed by a surface."""
+    a, b, c = (skin[triangles[:, k]] for k in range(3))
+    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
+
+
+EXTREMES = {
+    "arms up": {"humerus": ("z", 130.0)},
+    "arms at the sides": {"humerus": ("z", -35.0)},
+    "arms forward": {"humerus": ("y", -85.0)},
+    "squat": {"femur": ("x", -105.0), "tibia": ("x", 130.0)},
+    "legs apart": {"femur": ("z", 60.0)},
+    "elbows bent": {"radius": ("y", -140.0)},
+}
+
+
+@pytest.mark.parametrize("away", EXTREMES.values(), ids=EXTREMES)
+def test_flesh_neither_collapses_nor_swells(motion, away) -> None:
+    """Far from the binding pose the figure keeps its volume within 4 %, and more than that would be a joint's worth."""
+    fitted = figure.fit(motion.skeleton)
+    skin = fitted.posed(turned(fitted, motion.skeleton, **away))[0]
+    assert volume(skin, fitted.triangles) / volume(fitted.vertices, fitted.triangles) == pytest.approx(1.0, abs=0.04)
+
+
+@pytest.mark.parametrize(("part", "upper", "lower"), [("humerus", "Arm", "ForeArm"), ("radius", "ForeArm", "Hand")])
+def test_a_twist_wrings_no_limb(motion, part, upper, lower) -> None:
+    """A bone twisted by 90°: no place of it loses more than a quarter of its distance from its axis; and the skin does twist."""
+    fitted = figure.fit(motion.skeleton)
+    skeleton = motion.skeleton
+    a, b = (fitted.bind_positions[skeleton.find(f"Left{name}")] for name in (upper, lower))
+    axis = (b - a) / np.linalg.norm(b - a)
+    local = bound(fitted)
+    j = getattr(skeleton.anatomy.roles, f"left_{part}")
+    parent = quaternion.conjugate(fitted.bind_rotations[skeleton.parents[j]])
+    turn = quaternion.from_axis_angle(quaternion.rotate(parent, axis), np.pi / 2)
+    local[j] = quaternion.multiply(turn, local[j])
+    still = kx.Motion(skeleton, local[None], fitted.bind_positions[:1], 30.0)
+
+    def off_axis(skin: np.ndarray) -> np.ndarray:
+        return np.linalg.norm(np.cross(skin - a, axis), axis=1)
+
+    along = (fitted.vertices - a) @ axis / np.linalg.norm(b - a)
+    bone = (along > 0.35) & (along < 0.95) & (off_axis(fitted.vertices) < 0.1)
+    skin = fitted.posed(still)[0]
+    assert bone.sum() > 100
+    assert (off_axis(skin)[bone] / off_axis(fitted.vertices)[bone]).min() > 0.75
+    assert np.linalg.norm(skin - fitted.vertices, axis=1)[bone].max() > 0.04
+
+
+def test_a_twist_beyond_half_a_turn_does_not_jump() -> None:
+    """A forearm that turns steadily once about itself: helpers turn steadily with it."""
+    motion = understood(bodies.legs_striding(1))
+    fitted = figure.fit(motion.skeleton)
+    (helper,) = (h for h in fitted.helpers if h.name == "LeftForeArm_swing")
+    frames = 73
+    local = np.repeat(bound(fitted)[None], frames, axis=0)
+    turns = quaternion.from_axis_angle(helper.axis, np.linspace(0.0, 2.0 * np.pi, frames))
+    local[:, helper.joint] = quaternion.multiply(turns, local[:, helper.joint])
+    helped = fitted.helper_rotations(local)[:, fitted.helpers.index(helper)]
+    np.testing.assert_allclose(quaternion.angle(helped[1:], helped[:-1]), helper.twist * np.radians(5.0), atol=1e-9)
+
+
+def test_the_figure_does_not_cut_itself_where_it_is_bound(motion) -> None:
+    """In the binding pose no edge of the surface goes through a triangle that it does not touch."""
+    fitted = figure.fit(motion.skeleton)
+    assert not skinning.crossings(fitted.vertices, fitted.triangles)

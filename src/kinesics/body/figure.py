@@ -5,13 +5,19 @@ own bone lengths, left and right apart, in the *binding pose*: the T-pose with t
 have the least way to go in ordinary movement. Vertices then follow the joints by linear blend skinning (Magnenat-Thalmann,
 Laperrière, Thalmann 1988), as glTF prescribes it.
 
+Where a joint turns far, blending it with its parent makes the flesh collapse, and where it twists, wrings it. So the skin also
+follows *helpers*, which stand at a joint and do part of what it does: half of its swing at shoulders, elbows, hips and knees,
+its swing with half of its twist along upper arm, forearm and thigh, its twist alone before the wrist (in-betweens of joints: Mohr &
+Gleicher, "Building Efficient, Accurate Character Skins from Examples", 2003).
+
 Fingers are part of the hand, and each hand is one rigid piece.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from importlib import resources
 from typing import Final, NamedTuple
 
@@ -38,9 +44,23 @@ _FOREFOOT: Final = np.array([0.0, -0.40, 0.92])
 """Direction from ankle to ball of the foot where the rest pose has none."""
 
 
+class Helper(NamedTuple):
+    """What stands at a joint and does part of its turn; the joint's sibling, at rest in the binding pose."""
+
+    name: str
+    joint: int
+    """Which joint it stands at."""
+    swing: float
+    """Its share of the joint's swing away from the binding pose."""
+    twist: float
+    """Its share of the joint's twist about the bone, as that lies in the binding pose."""
+    axis: Array
+    """Of the twist, in the frame of the joint's parent, of length 1, shape (3,)."""
+
+
 @dataclass(frozen=True, eq=False)
 class Figure:
-    """A surface bound to the joints of a skeleton."""
+    """A surface bound to the joints of a skeleton, and to helpers that stand at them."""
 
     vertices: Array
     """In the binding pose, standing on y = 0 and facing +z, metres, shape (vertices, 3)."""
@@ -49,22 +69,57 @@ class Figure:
     triangles: Indices
     """Counter-clockwise seen from outside, shape (triangles, 3)."""
     joints: Indices
-    """That a vertex follows, shape (vertices, 4)."""
+    """That a vertex follows, shape (vertices, 4); numbers from the skeleton's joint count on are helpers."""
     weights: Array
     """Of these joints, falling, with sum 1; 0 where a vertex follows fewer than four. Shape (vertices, 4)."""
+    joint_parents: tuple[int, ...]
+    """Of the skeleton."""
     partner: Indices
     """Of each vertex, on the other side of the body; itself on the midline. Shape (vertices,)."""
     bind_rotations: Array
-    """World orientations of the joints in the binding pose, shape (joints, 4)."""
+    """World orientations of the joints in the binding pose, then of the helpers, shape (joints + helpers, 4)."""
     bind_positions: Array
-    """World positions of the joints in the binding pose, metres, shape (joints, 3)."""
+    """World positions of the joints in the binding pose, then of the helpers, metres, shape (joints + helpers, 3)."""
+    helpers: tuple[Helper, ...]
+
+    def helper_rotations(self, rotations: Array) -> Array:
+        """Of the helpers from the parents of their joints.
+
+        Parameters
+        ----------
+        rotations : of the joints from their parents, shape (frames, joints, 4).
+
+        Returns
+        -------
+        Of shape (frames, helpers, 4). Twists are followed from frame to frame, beyond half a turn, too, so that nothing jumps. A
+        share of a swing is undefined only where a bone points the opposite way of the binding pose.
+        """
+        out = np.empty((len(rotations), len(self.helpers), 4))
+        parts: dict[int, tuple[Array, Array]] = {}
+        for k, helper in enumerate(self.helpers):
+            j = helper.joint
+            if j not in parts:
+                parent = self.bind_rotations[self.joint_parents[j]]
+                bound = quaternion.multiply(quaternion.conjugate(self.bind_rotations[j]), parent)
+                parts[j] = _swing_and_twist(quaternion.multiply(rotations[:, j], bound), helper.axis)
+            swing, twist = parts[j]
+            out[:, k] = quaternion.multiply(
+                _part(swing, helper.swing), quaternion.from_axis_angle(helper.axis, helper.twist * twist)
+            )
+        return out
 
     def posed(self, motion: Motion) -> Array:
         """Where the vertices are in every frame, metres, shape (frames, vertices, 3)."""
         pose = kinematics.forward(motion.skeleton, motion.rotations, motion.root_positions, motion.joint_translations)
-        turn = quaternion.multiply(pose.rotations, quaternion.conjugate(self.bind_rotations))
+        at = [h.joint for h in self.helpers]
+        above = [self.joint_parents[j] for j in at]
+        helped = quaternion.multiply(pose.rotations[:, above], self.helper_rotations(motion.rotations))
+        turn = quaternion.multiply(
+            np.concatenate([pose.rotations, helped], axis=1), quaternion.conjugate(self.bind_rotations)
+        )
         matrices = quaternion.as_matrix(turn)
-        shifts = pose.positions - np.einsum("fjab,jb->fja", matrices, self.bind_positions)
+        places = np.concatenate([pose.positions, pose.positions[:, at]], axis=1)
+        shifts = places - np.einsum("fjab,jb->fja", matrices, self.bind_positions)
         out = np.zeros((motion.frame_count, len(self.vertices), 3))
         for k in range(MOST_JOINTS):
             j, w = self.joints[:, k], self.weights[:, k]
@@ -101,9 +156,16 @@ def fit(skeleton: Skeleton, offsets: Array | None = None) -> Figure:
     marks = {name: point + shift for name, point in marks.items()}
 
     vertices = _fitted(template, marks, size)
-    weights = _joint_weights(template, skeleton, body, vertices, positions, marks, size)
-    order = np.argsort(-weights, axis=1, kind="stable")[:, :MOST_JOINTS]
-    kept = np.take_along_axis(weights, order, axis=1)
+    helpers = _helpers(skeleton, body, rotations, marks)
+    weights = _joint_weights(template, skeleton, body, helpers, vertices, positions, marks, size)
+    most = np.argpartition(weights, -MOST_JOINTS - 1, axis=1)[:, -MOST_JOINTS - 1 :]
+    most.sort(axis=1)
+    order = np.take_along_axis(
+        most, np.argsort(-np.take_along_axis(weights, most, axis=1), axis=1, kind="stable"), axis=1
+    )
+    kept, order = np.take_along_axis(weights, order, axis=1), order[:, :MOST_JOINTS]
+    # of two that follow left and right alike neither goes without the other
+    kept = np.where(kept[:, :MOST_JOINTS] > kept[:, MOST_JOINTS:] + 1e-9, kept[:, :MOST_JOINTS], 0.0)
     kept /= kept.sum(axis=1, keepdims=True)
     return Figure(
         vertices=vertices,
@@ -111,10 +173,64 @@ def fit(skeleton: Skeleton, offsets: Array | None = None) -> Figure:
         triangles=template.triangles,
         joints=np.where(kept > 0.0, order, 0),
         weights=kept,
+        joint_parents=tuple(skeleton.parents),
         partner=template.partner,
-        bind_rotations=rotations,
-        bind_positions=positions,
+        bind_rotations=np.concatenate([rotations, rotations[[skeleton.parents[h.joint] for h in helpers]]]),
+        bind_positions=np.concatenate([positions, positions[[h.joint for h in helpers]]]),
+        helpers=helpers,
     )
+
+
+_BEFORE: Final = {"humerus": None, "radius": "humerus", "femur": None, "tibia": "femur"}
+"""Bones of the limbs and what they hang on, None for the trunk."""
+_HELPERS: Final = (
+    ("humerus", "half", 0.5, 0.2, "shoulder", "elbow"),
+    ("humerus", "swing", 1.0, 0.5, "shoulder", "elbow"),
+    ("radius", "half", 0.5, 0.2, "elbow", "wrist"),
+    ("radius", "swing", 1.0, 0.5, "elbow", "wrist"),
+    ("hand", "twist", 0.0, 1.0, "elbow", "wrist"),
+    ("femur", "half", 0.5, 0.2, "hip", "knee"),
+    ("femur", "swing", 1.0, 0.5, "hip", "knee"),
+    ("tibia", "half", 0.5, 0.5, "knee", "ankle"),
+)
+"""Which part's joint, what it is called, its shares of swing and twist, and the landmarks that the bone lies between."""
+
+
+def _helpers(skeleton: Skeleton, body: Anatomy, world: Array, marks: dict[str, Array]) -> tuple[Helper, ...]:
+    out: list[Helper] = []
+    for side in _SIDES:
+        for part, kind, swing, twist, start, end in _HELPERS:
+            joint = getattr(body.roles, f"{side}_{part}")
+            if joint is None:
+                continue
+            bone = marks[f"{side}_{end}"] - marks[f"{side}_{start}"]
+            axis = quaternion.rotate(quaternion.conjugate(world[skeleton.parents[joint]]), bone / np.linalg.norm(bone))
+            name = f"{skeleton.joint_names[joint]}_{kind}"
+            while name in skeleton.joint_names:
+                name += "_"
+            out.append(Helper(name, joint, swing, twist, axis))
+    return tuple(out)
+
+
+def _swing_and_twist(turn: Array, axis: Array) -> tuple[Array, Array]:
+    """Turns, frame after frame, as twists about an axis in radians, and then swings about one across it."""
+    twist = np.unwrap(2.0 * np.arctan2(turn[:, 1:] @ axis, turn[:, 0]))
+    # most frames within half a turn
+    twist -= 2.0 * np.pi * np.round(np.median(twist) / (2.0 * np.pi))
+    swing = quaternion.multiply(turn, quaternion.from_axis_angle(axis, -twist))
+    return np.where(swing[:, :1] < 0.0, -swing, swing), twist
+
+
+def _part(swing: Array, share: float) -> Array:
+    """A share of a swing, the shorter way round."""
+    if share == 1.0:
+        return swing
+    sine = np.linalg.norm(swing[:, 1:], axis=1)
+    angle = share * np.arctan2(sine, swing[:, 0])
+    out = np.empty_like(swing)
+    out[:, 0] = np.cos(angle)
+    out[:, 1:] = (np.sin(angle) / np.maximum(sine, 1e-12))[:, None] * swing[:, 1:]
+    return out
 
 
 class _Template(NamedTuple):
@@ -122,7 +238,9 @@ class _Template(NamedTuple):
     triangles: Indices
     partner: Indices
     bones: dict[str, Array]
-    """Shares of the vertices in "axial", "left_femur" …, each of shape (vertices,)."""
+    """Shares of the vertices in "axial", "left_femur", "left_femur_half" …, each of shape (vertices,)."""
+    masses: dict[str, Array]
+    """The same where the helpers' shares are given to the bones: what is carried along with which bone."""
     points: dict[str, Array]
     """Landmarks, both sides."""
 
@@ -153,6 +271,15 @@ def _template() -> _Template:
             bones[f"{side}_{name}"] = np.concatenate(
                 [own[:rim] / 2, beside if other else own[rim:], own[rim:] if other else beside]
             )
+    masses = {n: share.copy() for n, share in bones.items() if not n.endswith(("_half", "_swing", "_twist"))}
+    for side in _SIDES:
+        masses["axial"] += masses.pop(f"{side}_clavicle")
+        masses[f"{side}_foot"] += masses.pop(f"{side}_toes")
+        masses[f"{side}_radius"] += bones[f"{side}_hand_twist"]
+        for name, before in _BEFORE.items():
+            own, seam = f"{side}_{name}", bones[f"{side}_{name}_half"] / 2
+            masses[own] += seam + bones.get(f"{own}_swing", 0.0)
+            masses["axial" if before is None else f"{side}_{before}"] += seam
     sided = {
         f"{side}_{name}": point * (1.0 if side == "left" else flip)
         for name, point in points.items()
@@ -164,6 +291,7 @@ def _template() -> _Template:
         triangles=np.concatenate([faces, image[faces][:, ::-1]]),
         partner=partner,
         bones=bones,
+        masses=masses,
         points={**{n: p for n, p in points.items() if p[0] == 0.0}, **sided},
     )
 
@@ -303,42 +431,45 @@ def _ankle_height(marks: dict[str, Array], side: str, size: float) -> float:
 def _fitted(template: _Template, marks: dict[str, Array], size: float) -> Array:
     """The template's vertices on the skeleton's bones: each part is carried along and stretched, seams are blended."""
     source, p = template.points, template.vertices
-    trunk = _trunk_carried(template, p, marks, size)
-    carried: dict[str, Array] = {"axial": trunk}
+    carried: dict[str, Callable[[Array], Array]] = {"axial": lambda at: _trunk_carried(template, at, marks, size)}
     for side in _SIDES:
-        at = {
-            n: (source[f"{side}_{n}"], marks[f"{side}_{n}"])
-            for n in ("hip", "knee", "ankle", "shoulder", "elbow", "wrist")
-        }
-        carried[f"{side}_clavicle"] = trunk
         for bone, a, b in (
             ("femur", "hip", "knee"),
             ("tibia", "knee", "ankle"),
             ("humerus", "shoulder", "elbow"),
             ("radius", "elbow", "wrist"),
         ):
-            (p0, q0), (p1, q1) = at[a], at[b]
-            carried[f"{side}_{bone}"] = _stretched(p, p0, p1, q0, q1, size)
-        (p0, q0), (p1, q1) = at["elbow"], at["wrist"]
-        turn = quaternion.between(p1 - p0, q1 - q0)
-        carried[f"{side}_hand"] = q1 + quaternion.rotate(turn, size * (p - p1))
-        p0, q0 = at["ankle"]
-        ball = source[f"{side}_ball"]
-        height = _ankle_height(marks, side, size) / p0[1]
-        length = size
-        turn = quaternion.identity()
-        if f"{side}_ball" in marks:
-            flat = (marks[f"{side}_ball"] - q0) * [1.0, 0.0, 1.0]
-            own = (ball - p0) * [1.0, 0.0, 1.0]
-            length *= float(np.clip(np.linalg.norm(flat) / (size * np.linalg.norm(own)), 0.8, 1.25))
-            if np.linalg.norm(flat) > 0.02 * size:
-                turn = quaternion.between(own, flat)
-        foot = q0 + quaternion.rotate(turn, (p - p0) * [size, height, length])
-        carried[f"{side}_foot"] = carried[f"{side}_toes"] = foot
+            ends = [(source[f"{side}_{n}"], marks[f"{side}_{n}"]) for n in (a, b)]
+            carried[f"{side}_{bone}"] = partial(_stretched, start=ends[0], end=ends[1], size=size)
+        carried[f"{side}_hand"] = partial(_hand_carried, source=source, marks=marks, side=side, size=size)
+        carried[f"{side}_foot"] = partial(_foot_carried, source=source, marks=marks, side=side, size=size)
     out = np.zeros_like(p)
-    for bone, share in template.bones.items():
-        out += share[:, None] * carried[bone]
+    for bone, share in template.masses.items():
+        rows = np.flatnonzero(share)
+        out[rows] += share[rows, None] * carried[bone](p[rows])
     return out
+
+
+def _hand_carried(p: Array, source: dict[str, Array], marks: dict[str, Array], side: str, size: float) -> Array:
+    """Along the forearm, of the body's size."""
+    (p0, q0), (p1, q1) = ((source[f"{side}_{n}"], marks[f"{side}_{n}"]) for n in ("elbow", "wrist"))
+    turn = quaternion.between(p1 - p0, q1 - q0)
+    return np.asarray(q1 + quaternion.rotate(turn, size * (p - p1)))
+
+
+def _foot_carried(p: Array, source: dict[str, Array], marks: dict[str, Array], side: str, size: float) -> Array:
+    """From the ankle, as high as it stands, as long as to the ball of the foot."""
+    p0, q0, ball = source[f"{side}_ankle"], marks[f"{side}_ankle"], source[f"{side}_ball"]
+    height = _ankle_height(marks, side, size) / p0[1]
+    length = size
+    turn = quaternion.identity()
+    if f"{side}_ball" in marks:
+        flat = (marks[f"{side}_ball"] - q0) * [1.0, 0.0, 1.0]
+        own = (ball - p0) * [1.0, 0.0, 1.0]
+        length *= float(np.clip(np.linalg.norm(flat) / (size * np.linalg.norm(own)), 0.8, 1.25))
+        if np.linalg.norm(flat) > 0.02 * size:
+            turn = quaternion.between(own, flat)
+    return np.asarray(q0 + quaternion.rotate(turn, (p - p0) * [size, height, length]))
 
 
 def _trunk_carried(template: _Template, p: Array, marks: dict[str, Array], size: float) -> Array:
@@ -372,8 +503,9 @@ def _eased(t: Array, knots: Array, values: Array) -> Array:
     return out
 
 
-def _stretched(p: Array, p0: Array, p1: Array, q0: Array, q1: Array, size: float) -> Array:
-    """A bone's surroundings carried from p0-p1 to q0-q1: along it by its length, across it by the body's size."""
+def _stretched(p: Array, start: tuple[Array, Array], end: tuple[Array, Array], size: float) -> Array:
+    """A bone's surroundings carried to where its ends are: along it by its length, across it by the body's size."""
+    (p0, q0), (p1, q1) = start, end
     axis = (p1 - p0) / np.linalg.norm(p1 - p0)
     along = (p - p0) @ axis
     across = p - p0 - along[:, None] * axis
@@ -392,14 +524,15 @@ def _joint_weights(
     template: _Template,
     skeleton: Skeleton,
     body: Anatomy,
+    helpers: tuple[Helper, ...],
     vertices: Array,
     positions: Array,
     marks: dict[str, Array],
     size: float,
 ) -> Array:
-    """How much each vertex follows each joint, shape (vertices, joints)."""
+    """How much each vertex follows each joint and helper, shape (vertices, joints + helpers)."""
     roles = body.roles
-    out = np.zeros((len(vertices), skeleton.joint_count))
+    out = np.zeros((len(vertices), skeleton.joint_count + len(helpers)))
     axial = template.bones["axial"].copy()
     for side in _SIDES:
         collar = getattr(roles, f"{side}_clavicle")
@@ -407,6 +540,12 @@ def _joint_weights(
             out[:, collar[-1]] += template.bones[f"{side}_clavicle"]
         else:
             axial += template.bones[f"{side}_clavicle"]
+        at = {(h.joint, h.name.rstrip("_").rsplit("_", 1)[1]): skeleton.joint_count + k for k, h in enumerate(helpers)}
+        for part, kind, *_ in _HELPERS:
+            joint = getattr(roles, f"{side}_{part}")
+            # a forearm without a hand of its own is not wrung
+            follows = at[joint, kind] if joint is not None else getattr(roles, f"{side}_radius")
+            out[:, follows] += template.bones[f"{side}_{part}_{kind}"]
         carrier = 0
         for part in ("femur", "tibia", "foot", "toes", "humerus", "radius", "hand"):
             joint = getattr(roles, f"{side}_{part}")
@@ -442,9 +581,8 @@ def _joint_weights(
 def _normals(vertices: Array, triangles: Indices) -> Array:
     """Means of the triangles' normals, by area."""
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
-    flat = np.cross(b - a, c - a)
-    out = np.zeros_like(vertices)
-    for k in range(3):
-        np.add.at(out, triangles[:, k], flat)
+    flat = np.repeat(np.cross(b - a, c - a), 3, axis=0)
+    corners = triangles.ravel()
+    out = np.stack([np.bincount(corners, flat[:, k], len(vertices)) for k in range(3)], axis=1)
     length = np.linalg.norm(out, axis=1, keepdims=True)
     return np.asarray(out / np.where(length > 0.0, length, 1.0))

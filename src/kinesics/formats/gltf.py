@@ -1,7 +1,8 @@
 """glTF 2.0, binary (.glb) or as JSON with its data inside (.gltf): skeleton, animation and a human figure that wears it.
 
 Written are one node for each joint, one animation with a key for every frame, and, where the skeleton is understood as a
-human body, the skinned mesh of `kinesics.body.figure`. A skeleton that is none goes out as bare nodes, and a remark says so.
+human body, the skinned mesh of `kinesics.body.figure` with its helpers, which are leaf nodes beside the joints they stand at.
+A skeleton that is none goes out as bare nodes, and a remark says so.
 The specification is that of Khronos, "glTF 2.0 Specification" (2021). What it has no word for, the tips of leaf joints and the
 exact frame rate, is kept in ``extras``, where the format has room for anything; joint limits are not kept.
 
@@ -113,6 +114,8 @@ class _Data:
                 bufferView=len(self.document.bufferViews) - 1,
                 componentType=_COMPONENTS[values.dtype.str],
                 count=len(values),
+                # whole numbers with a sign are shares of 1
+                normalized=values.dtype.kind == "i",
                 type=kind,
                 min=[float(v) for v in table.min(axis=0)] if bounds else [],
                 max=[float(v) for v in table.max(axis=0)] if bounds else [],
@@ -121,7 +124,7 @@ class _Data:
         return len(self.document.accessors) - 1
 
 
-_COMPONENTS: Final = {"|u1": 5121, "<u2": 5123, "<u4": 5125, "<f4": 5126}
+_COMPONENTS: Final = {"|u1": 5121, "<i2": 5122, "<u2": 5123, "<u4": 5125, "<f4": 5126}
 _VERTICES, _TRIANGLES = 34962, 34963  # buffer targets of the specification
 
 
@@ -135,7 +138,7 @@ def _document(motion: Motion, body: Figure | None, name: str) -> GLTF2:
     document.scene = 0
     if body is not None:
         _add_figure(document, data, body)
-    document.animations = [_animation(motion, data, motion.name or name or "motion")]
+    document.animations = [_animation(motion, data, body, motion.name or name or "motion")]
     document.buffers = [Buffer(byteLength=data.length)]
     document.set_binary_blob(b"".join(data.parts))
     return document
@@ -151,23 +154,31 @@ def _nodes(motion: Motion, body: Figure | None) -> list[Any]:
     places[0] = motion.root_positions[0]
     if body is not None:
         parents = list(skeleton.parents[1:])
-        rest[0] = body.bind_rotations[0]
-        rest[1:] = quaternion.multiply(quaternion.conjugate(body.bind_rotations[parents]), body.bind_rotations[1:])
+        bound = body.bind_rotations[: skeleton.joint_count]
+        rest[0] = bound[0]
+        rest[1:] = quaternion.multiply(quaternion.conjugate(bound[parents]), bound[1:])
         places[0] = body.bind_positions[0]
     turns = _single(quaternion.as_scalar_last(quaternion.normalize(rest)))
     shifts = _single(places)
+    helpers = () if body is None else body.helpers
+    standing: list[list[int]] = [[] for _ in skeleton.joint_names]
+    for k, helper in enumerate(helpers):
+        standing[skeleton.parents[helper.joint]].append(skeleton.joint_count + k)
     nodes = []
     for j, joint in enumerate(skeleton.joint_names):
         tips = [list(s.offset) for s in skeleton.end_sites if s.parent == j]
         nodes.append(
             Node(
                 name=joint,
-                children=list(skeleton.children[j]),
+                children=[*skeleton.children[j], *standing[j]],
                 rotation=[float(v) for v in turns[j]],
                 translation=[float(v) for v in shifts[j]],
                 extras={EXTRAS: {"tips": tips}} if tips else {},
             )
         )
+    for helper in helpers:
+        place = [float(v) for v in shifts[helper.joint]]
+        nodes.append(Node(name=helper.name, translation=place, extras={EXTRAS: {"helps": helper.joint}}))
     return nodes
 
 
@@ -217,10 +228,10 @@ def _add_figure(document: GLTF2, data: _Data, body: Figure) -> None:
         )
     ]
     document.nodes.append(Node(name="figure", mesh=0, skin=0))
-    document.scenes[0].nodes.append(joints)
+    document.scenes[0].nodes.append(len(document.nodes) - 1)
 
 
-def _animation(motion: Motion, data: _Data, name: str) -> Any:
+def _animation(motion: Motion, data: _Data, body: Figure | None, name: str) -> Any:
     """A key for every frame, or a single one for what does not move: but for the root's place, which says how long it lasts."""
     from pygltflib import Animation, AnimationChannel, AnimationChannelTarget, AnimationSampler
 
@@ -234,7 +245,7 @@ def _animation(motion: Motion, data: _Data, name: str) -> Any:
     once = -1  # made when it is wanted
     out = Animation(name=name, extras={EXTRAS: {"fps": motion.fps}})
 
-    def channel(joint: int, path: str, values: NDArray[np.float32], kind: str) -> None:
+    def channel(joint: int, path: str, values: NDArray[Any], kind: str) -> None:
         nonlocal once
         still = bool(np.all(values == values[0])) and (joint, path) != (0, "translation")
         if still and once < 0:
@@ -252,10 +263,21 @@ def _animation(motion: Motion, data: _Data, name: str) -> Any:
     for j in range(motion.skeleton.joint_count):
         channel(j, "rotation", turns[:, j], "VEC4")
     shifts = motion.joint_translations
+    shifting: dict[int, int] = {}
     if shifts is not None:
         for j in range(1, motion.skeleton.joint_count):
             if np.abs(shifts[:, j] - motion.skeleton.offsets[j]).max() > _STILL:
                 channel(j, "translation", _single(shifts[:, j]), "VEC3")
+                shifting[j] = len(out.samplers) - 1
+    if body is None:
+        return out
+    # half the length will do for what is only to be looked at
+    helped = np.rint(quaternion.as_scalar_last(body.helper_rotations(motion.rotations)) * 32767.0).astype("<i2")
+    for node, helper in enumerate(body.helpers, motion.skeleton.joint_count):
+        channel(node, "rotation", helped[:, node - motion.skeleton.joint_count], "VEC4")
+        if helper.joint in shifting:
+            target = AnimationChannelTarget(node=node, path="translation")
+            out.channels.append(AnimationChannel(sampler=shifting[helper.joint], target=target))
     return out
 
 

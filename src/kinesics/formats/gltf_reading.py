@@ -243,6 +243,7 @@ class _Reader:
         wanted = {j for skin in self.document.skins for j in skin.joints or ()}
         if any(not 0 <= j < len(self.parents) for j in wanted):
             self.fail("A skin names a joint that is no node.")
+        wanted = {j for j in wanted if not self.helps(j)}
         if not wanted:
             wanted = {node for node, _ in tracks}
             # without a skin nothing says where the skeleton ends: all that hangs on what moves is part of it
@@ -272,6 +273,11 @@ class _Reader:
                 if child in members:
                     heapq.heappush(ready, child)
         return out
+
+    def helps(self, node: int) -> bool:
+        """Whether a node is none of the skeleton's joints, but a helper of our own figure."""
+        own = (self.document.nodes[node].extras or {}).get(EXTRAS)
+        return isinstance(own, dict) and "helps" in own
 
     def rest(self, node: int) -> tuple[Array, Array, Array]:
         """Translation, rotation (scalar first) and scale of a node when nothing moves it."""
