@@ -1,5 +1,5 @@
 // Points that joints carry, and how deep capsules round bones are in each other. The NumPy twins are in kinesics/body/feet.py
-// and kinesics/body/limits.py.
+// and kinesics/body/capsules.py.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.body import kinematics
+from kinesics.body.capsules import Ends, segment_distance
 from kinesics.body.contacts import runs
 from kinesics.body.kinematics import Kinematics
-from kinesics.body.limits import Ends, segment_distance
 from kinesics.geometry import quaternion
 from kinesics.synthesis.embodiment import blending
 from kinesics.synthesis.embodiment.ranges import YIELD, Ranges, both_ways, envelope, put_joint

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.body import contacts, kinematics
+from kinesics.body.capsules import Ends
 from kinesics.body.kinematics import Kinematics
-from kinesics.body.limits import Ends
 from kinesics.geometry import quaternion
 from kinesics.synthesis.embodiment import blending, footing, inverse_kinematics
 from kinesics.synthesis.embodiment.arms import SKIN, STEP, way_apart

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from kinesics.body import contacts as _contacts
 from kinesics.body import kinematics
+from kinesics.body.capsules import Capsules
 from kinesics.body.contacts import Floor, Soles
-from kinesics.body.limits import Capsules
 from kinesics.body.motion import Motion
 from kinesics.geometry import quaternion
 from kinesics.synthesis.embodiment import blending, footing, inverse_kinematics
@@ -57,7 +57,7 @@ SINK: Final = 0.15
 """Seconds before and after over which the pelvis gives way where a leg cannot reach."""
 FLESH: Final = 0.003
 """Metres that limbs may press deeper into each other than they do in the recordings: a seventh of what flesh gives way by
-(`kinesics.body.limits.DEPTH_TOLERANCE`)."""
+(`kinesics.body.capsules.DEPTH_TOLERANCE`)."""
 
 
 @dataclass(frozen=True, eq=False)
