@@ -552,7 +552,8 @@ def _performed(what: Case, folder: Path) -> Row:
         if name in given:
             row[key] = given[name]
     values = measured(piece, motions)
-    path = folder / f"out{what['format']}"
+    # another format of the same name would be another movement's, beside the provenance of the last
+    path = folder / f"out-{what['format'][1:]}{what['format']}"
     values["file"] = _there_and_back(piece, path)
     beyond: dict[str, Any] = {
         k: round(v, 4) for k, v in values.items() if k in LINES and not v <= LINES[k][0] * (1 + 1e-6)
