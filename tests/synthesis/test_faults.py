@@ -32,10 +32,22 @@ def flipped(motion: Motion, *frames: int, angle: float = 2.0) -> Motion:
 
 def test_a_fault_is_seen_in_the_recording_as_it_came() -> None:
     """At a quarter of the rate the leap would be none, or not be there; the frames about it are marked."""
-    motion = flipped(rounds(fps=120.0), 801, angle=1.0)
-    assert np.flatnonzero(repertoire(motion).faults).tolist() == [800, 801, 802]
-    assert np.flatnonzero(repertoire(motion, fps=30.0).faults).tolist() == [200, 201]
+    motion = flipped(rounds(fps=120.0), *range(801, 807), angle=1.0)
+    assert np.flatnonzero(repertoire(motion).faults).tolist() == list(range(800, 808))
+    assert np.flatnonzero(repertoire(motion, fps=30.0).faults).tolist() == [200, 201, 202]
     assert not repertoire(rounds(fps=120.0)).faults.any()
+
+
+def test_what_leaps_away_and_back_is_mended_and_told() -> None:
+    """For a frame: then it is no fault that would be left out; the recording itself stays as it is."""
+    sound, leaping = rounds(fps=120.0), flipped(rounds(fps=120.0), 801, angle=1.0)
+    stock = repertoire(leaping)
+    assert not stock.faults.any()
+    apart = quaternion.angle(stock.rotations, repertoire(sound).rotations)
+    assert apart.max() < 0.02
+    (told,) = [line for line in stock.assumptions if "mended" in line]
+    assert "1 frame mended, in which the capture leaps away and back by up to " in told
+    assert not any("mended" in line for line in repertoire(sound).assumptions)
 
 
 def test_what_hardly_moves_anything_is_no_fault_to_be_left_out() -> None:
