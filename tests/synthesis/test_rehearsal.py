@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 import kinesics as kx
 from kinesics.geometry import quaternion
 from kinesics.synthesis.embodiment import rehearsal
+from kinesics.synthesis.embodiment.checking import beyond
 from kinesics.synthesis.embodiment.rehearsal import played
 from kinesics.synthesis.embodiment.rendering import render
 from kinesics.synthesis.embodiment.stage import Stage, turn_bodies
@@ -48,8 +49,11 @@ def test_stretches_of_a_long_recording_meet_without_a_leap(
     whole = from_frame_to_frame(played(Stage.of(own)))
     monkeypatch.setattr(rehearsal, "_AT_ONCE", 150)
     again = repertoire(own.motion(0))
-    parts = from_frame_to_frame(played(Stage.of(again)))
+    stage = Stage.of(again)
+    planted = played(stage)
+    parts = from_frame_to_frame(planted)
     assert own.frame_count > 450
+    assert beyond(planted.motion(0), stage).max() < 1e-6
     for one, other, little in zip(whole, parts, (np.deg2rad(0.5), 0.002), strict=True):
         assert np.abs(other - one).max() < little + 0.25 * one.max()
 

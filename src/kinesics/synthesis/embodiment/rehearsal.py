@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from kinesics.geometry import quaternion
 from kinesics.synthesis.embodiment import blending
 from kinesics.synthesis.embodiment.planting import Followed, pin, with_the_feet
+from kinesics.synthesis.embodiment.ranges import put_within_range
 from kinesics.synthesis.embodiment.stage import Stage
 from kinesics.synthesis.embodiment.steady_feet import steady_feet
 from kinesics.synthesis.paths.meeting import same_soles
@@ -98,4 +99,7 @@ def _in_stretches(stage: Stage, given: Followed, standing: Mask) -> tuple[Array,
         rotations[both] = quaternion.slerp(rotations[both], done.rotations[late], share[:, None])
         roots[both] += share[:, None] * (places[late] - roots[both])
         rotations[end:high], roots[end:high] = done.rotations[end - low :], places[end - low :]
+        between = np.zeros(high, dtype=np.bool_)
+        between[both] = True
+        put_within_range(stage, rotations[:high], np.arange(stage.carrier + 1, rotations.shape[1]), between)
     return rotations, roots
