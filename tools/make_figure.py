@@ -204,8 +204,8 @@ def weights(vertices: Array, faces: NDArray[np.intp]) -> Array:
     half = 0.055 + 0.30 * np.maximum(-p[:, 2], 0.0) * np.clip(p[:, 0] / 0.08, 0.0, 1.0)
     of_leg = np.where(beside_arm, 0.0, ramp(line - height, 0.0, half))
     # between the legs the flesh is the trunk's
-    of_leg *= np.maximum(ramp(p[:, 0], 0.018, 0.018), ramp(0.812 - height, 0.0, 0.02))
-    hip = spread(of_leg, 0.022)
+    beside = np.maximum(eased(p[:, 0] / 0.045), ramp(0.790 - height, 0.0, 0.025))
+    hip = spread(spread(of_leg * beside, 0.022) * beside, 0.012)
     along = np.where(beside_arm, -1.0, (p - HIP) @ LEG)
     knee = spread(ramp(along, 0.427, 0.055 + 0.35 * np.maximum(p[:, 2], 0.0)), 0.010)
     below = ramp(along - 0.20 * (p[:, 2] + 0.02), 0.822, 0.034)
