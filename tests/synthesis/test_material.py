@@ -122,8 +122,11 @@ def test_what_was_prepared_is_not_worked_out_again(material: kx.Material, monkey
     assert kx.perform(material, seconds=2.0, seed=4).duration == pytest.approx(2.0)
 
 
-def test_what_nothing_can_be_performed_of_is_refused_when_it_is_prepared() -> None:
+def test_what_nothing_can_be_performed_of_is_refused_when_it_is_prepared(material: kx.Material) -> None:
     """As `kinesics.perform` does; and a number out of range before anything is done."""
+    for again in (material, [material]):
+        with pytest.raises(InputError, match="prepared already"):
+            kx.prepare(again)  # type: ignore[arg-type]
     with pytest.raises(InputError, match="Expected motions"):
         kx.prepare("walk.bvh")  # type: ignore[arg-type]
     with pytest.raises(InputError, match="threshold"):

@@ -69,14 +69,15 @@ def mended(motion: Motion) -> Mended:
     if longest < 1 or motion.frame_count < 4:
         return Mended(motion, frames, (), 0.0)
     farthest = np.zeros(motion.skeleton.joint_count)
-    out = motion
+    out, points = motion, _points(motion)
     for _ in range(ROUNDS):
         before = out
         for length in range(1, longest + 1):
-            away = leaps_away(_points(out), length)
+            away = leaps_away(points, length)
             begins = np.flatnonzero(away.any(axis=1))
             if len(begins):
                 out = _bridged(out, begins, away, length, frames)
+                points = _points(out)
                 np.maximum(farthest, _by_joint(motion, away.max(axis=0)), out=farthest)
         if out is before:
             break
@@ -103,15 +104,25 @@ def leaps_away(points: Array, length: int) -> Array:
         return out
     last, behind = points[:starts], points[length + 1 :]
     over = (behind - last) / (length + 1)
-    sizes = np.stack([np.linalg.norm(points[k : k + starts] - last - k * over, axis=-1) for k in range(1, length + 1)])
-    size = sizes.max(axis=0)
-    steps = np.diff(points, axis=0)
-    found = (size >= AWAY) & (sizes.min(axis=0) >= ALL_AWAY * size)
+    size, least = np.zeros((starts, count)), np.full((starts, count), np.inf)
+    for k in range(1, length + 1):
+        aside = _norms(points[k : k + starts] - last - k * over)
+        np.maximum(size, aside, out=size)
+        np.minimum(least, aside, out=least)
+    frame, point = np.nonzero((size >= AWAY) & (least >= ALL_AWAY * size))
+    size, over = size[frame, point], over[frame, point]
     # where the recording begins or ends nothing is known of beyond
-    found[1:] &= np.linalg.norm(steps[: starts - 1] - over[1:], axis=-1) <= AS_BEFORE * size[1:]
-    found[:-1] &= np.linalg.norm(steps[length + 1 :] - over[:-1], axis=-1) <= AS_BEFORE * size[:-1]
-    out[1 : starts + 1] = np.where(found, size, 0.0)
+    coming = points[frame, point] - points[np.maximum(frame - 1, 0), point]
+    beyond = np.minimum(frame + length + 2, frames - 1)
+    going = points[beyond, point] - points[frame + length + 1, point]
+    found = (frame == 0) | (_norms(coming - over) <= AS_BEFORE * size)
+    found &= (frame + length + 2 == frames) | (_norms(going - over) <= AS_BEFORE * size)
+    out[frame[found] + 1, point[found]] = size[found]
     return out
+
+
+def _norms(vectors: Array) -> Array:
+    return np.asarray(np.sqrt(np.einsum("...i,...i", vectors, vectors)))
 
 
 def _points(motion: Motion) -> Array:

@@ -336,6 +336,8 @@ def _usable(motions: list[Motion]) -> tuple[list[Motion], tuple[str, ...]]:
 
 
 def _read_first(given: object) -> str:
+    if isinstance(given, Material):
+        return ", which is prepared already: give it alone, as it is, to kx.perform, kx.performance or kx.Avatar"
     return ": read the file first, kx.read(…)" if isinstance(given, str | PathLike) else ""
 
 
