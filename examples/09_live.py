@@ -24,6 +24,7 @@ frames = list(itertools.islice(avatar, 5 * 30))  # each has .rotations (joints, 
 avatar.pursue(target=(-3.0, 5.0))  # from the next decision on
 while not avatar.attained and len(frames) < 30 * 30:
     frames.append(next(avatar))
+frames += itertools.islice(avatar, 15)  # it is decided a third of a second before the body is there
 print("; ".join(avatar.outcome))
 
 new = avatar.motion(frames)

@@ -130,7 +130,10 @@ class Avatar(Iterator[LiveFrame]):
 
     @property
     def attained(self) -> bool:
-        """Whether all that can be attained of what is wished for was; False where there is none such."""
+        """Whether all that can be attained of what is wished for was; False where there is none such.
+
+        It is decided a third of a second ahead: so much later the body is there.
+        """
         return self.controller.attained
 
     @property
