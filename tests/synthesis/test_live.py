@@ -308,10 +308,14 @@ def snaps(made: Network, seed: int, seconds: float) -> tuple[float, float]:
 
 
 def test_knees_do_not_snap() -> None:
-    """Sent about at 60 frames a second, knees are accelerated by half more than in the walk played."""
+    """Sent about at 60 frames a second, knees are accelerated by half more than in the walk played, four times, and by a fifth more
+    on the average. Where most comes together, at the moment a heel strikes, the walk itself has 38 of the 54 m/s².
+    """
     walk = kx.performer.walk(seconds=8, fps=60, noise_degrees=0.5, noise_kind="smooth", route="circle", seed=5).motion
-    knees, _ = snaps(network(repertoire([walk])), 1, 15.0)
-    assert knees < 1.5
+    made = network(repertoire([walk]))
+    knees = [snaps(made, seed, 15.0)[0] for seed in (1, 2, 3, 4)]
+    assert max(knees) < 1.5
+    assert np.mean(knees) < 1.25
 
 
 @pytest.mark.parametrize("names", [["35_01"], ["91_34", "35_01"]])

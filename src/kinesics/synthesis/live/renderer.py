@@ -207,8 +207,10 @@ class LiveRenderer:
 
     def _look(self) -> None:
         """Ask for what comes, and get ready for it: one after the other, if there is time."""
-        for _ in range(self._parts if self._reaches - self._frame >= self._hurried else self._parts + 1):
-            self._prepare()
+        if self._known:
+            for _ in range(self._parts if self._reaches - self._frame >= self._hurried else self._parts + 1):
+                self._prepare()
+        # at first, and where all that was known has been performed: no more than what is needed now
         while not self._known:
             if self._ended:
                 raise StopIteration
