@@ -26,7 +26,7 @@ from kinesics.synthesis.goals import Economy, MovingTarget, Novelty, Target
 from kinesics.synthesis.live.blends import Blend
 from kinesics.synthesis.live.cuts import Crossing, Cuts
 from kinesics.synthesis.live.poses import Poses
-from kinesics.synthesis.live.renderer import LiveRenderer, performed
+from kinesics.synthesis.live.renderer import AHEAD, LiveRenderer, performed
 from kinesics.synthesis.live.treading import Treading
 from kinesics.synthesis.paths import prospects as prospects_of
 from kinesics.synthesis.paths.network import Network, network
@@ -350,6 +350,18 @@ def test_steps_compute_no_tables(made: Network, monkeypatch: pytest.MonkeyPatch)
     next(live)
     with pytest.raises(AssertionError, match="computed"):
         controller.pursue(Target((1.0, 1.0), radius=0.2))
+
+
+def test_cuts_are_known_in_time(made: Network) -> None:
+    """At 30 frames a second, too, a transition is known half of what is to be known before its cut."""
+    live = LiveRenderer(made, Controller(made, [Target((900.0, 0.0)), Novelty(0.3)], seed=1))
+    known: dict[int, int] = {}
+    for _ in range(900):
+        next(live)
+        for blend in live._blends:
+            known.setdefault(blend.cut, blend.cut - live._frame)
+    assert len(known) > 5
+    assert np.mean(list(known.values())) > 0.5 * AHEAD * made.repertoire.fps
 
 
 @pytest.mark.parametrize("done", [1, 2, 3])

@@ -92,6 +92,7 @@ class LiveRenderer:
         of their own, where there is time.
 
     All tables are made here, those of a controller included, so that no step waits for them, not even the first.
+    Garbage is collected once, too; who makes much of it afterwards may call ``gc.freeze()``, or collect between steps.
 
     Raises
     ------
