@@ -67,14 +67,30 @@ def evaluate(p: Array) -> Array:
     return np.concatenate([surface(part) for part in np.array_split(p, max(1, len(p) // 200_000))])
 
 
+FACE = 1.52
+"""Height above which the head is looked at more closely than the body."""
+
+
+def closer(height: Array) -> Array:
+    """How much larger the figure counts, where it is thinned out."""
+    return 1.0 + 0.9 * np.clip((height - FACE) / 0.06, 0.0, 1.0)
+
+
 def thinned(vertices: Array, faces: NDArray[np.intp], triangles: int) -> tuple[Array, NDArray[np.intp]]:
-    """Fewer triangles, more of them where the surface bends."""
+    """Fewer triangles, more of them where the surface bends, and in the face."""
     import fast_simplification
 
+    base = np.array([0.0, FACE, 0.0])
     points, cells = fast_simplification.simplify(
-        vertices.astype(np.float64), faces.astype(np.int32), target_count=triangles, agg=5.0
+        base + closer(vertices[:, 1])[:, None] * (vertices - base),
+        faces.astype(np.int32),
+        target_count=triangles,
+        agg=5.0,
     )
-    return np.asarray(points, dtype=np.float64), np.asarray(cells, dtype=np.intp)
+    heights = np.linspace(0.0, 2.0, 20_001) - 0.1
+    own = np.interp(points[:, 1], FACE + closer(heights) * (heights - FACE), heights)
+    out = base + (np.asarray(points, dtype=np.float64) - base) / closer(own)[:, None]
+    return out, np.asarray(cells, dtype=np.intp)
 
 
 def rim_of(faces: NDArray[np.intp], count: int) -> NDArray[np.bool_]:
@@ -205,7 +221,7 @@ def weights(vertices: Array, faces: NDArray[np.intp]) -> Array:
     of_leg = np.where(beside_arm, 0.0, ramp(line - height, 0.0, half))
     # between the legs the flesh is the trunk's
     beside = np.maximum(eased(p[:, 0] / 0.045), ramp(0.790 - height, 0.0, 0.025))
-    hip = spread(spread(of_leg * beside, 0.022) * beside, 0.012)
+    hip = spread(of_leg * beside, 0.022)
     along = np.where(beside_arm, -1.0, (p - HIP) @ LEG)
     knee = spread(ramp(along, 0.427, 0.055 + 0.35 * np.maximum(p[:, 2], 0.0)), 0.010)
     below = ramp(along - 0.20 * (p[:, 2] + 0.02), 0.822, 0.034)
