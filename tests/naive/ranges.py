@@ -15,6 +15,13 @@ def bend(stage, joint: int, q: np.ndarray, bone: np.ndarray) -> float:
     return float(np.arccos(np.clip(cosine, -1.0, 1.0)))
 
 
+def side(before: np.ndarray, bone: np.ndarray) -> float:
+    """To which side of straight on a bone is bent, radians around the bone before."""
+    before = before / np.linalg.norm(before)
+    aside = np.cross(before, np.eye(3)[np.argmin(np.abs(before))])
+    return float(np.arctan2(bone @ np.cross(before, aside), bone @ aside))
+
+
 def bones(stage, joint: int) -> list[np.ndarray]:
     """Those that hang on a joint which hangs on a bone itself, and is not one that carries the body whole."""
     skeleton = stage.repertoire.skeleton
@@ -33,6 +40,13 @@ def limits(stage, joint: int) -> list[tuple[float, float]]:
         images = (0, 1) if own.mirrored else (0,)
         angles = [bend(stage, joint, q, bone) for image in images for q in own.rotations[image, :, joint]]
         least, most = min(angles), max(angles)
+        before = own.skeleton.offsets[joint]
+        towards = sorted(
+            side(before, quaternion.rotate(q, bone)) for image in images for q in own.rotations[image, :, joint]
+        )
+        gaps = [b - a for a, b in zip(towards, [*towards[1:], towards[0] + 2.0 * np.pi], strict=True)]
+        if max(gaps) < np.pi:
+            least = 0.0  # bent to all sides of straight, which then lies between
         out.append((0.0 if least < np.deg2rad(1.0) else least, np.pi if most > np.deg2rad(179.0) else most))
     return out
 

@@ -196,3 +196,22 @@ def test_an_ankle_thrown_off_its_way_is_seen(made: Network, done: Performance) -
     assert not found.holds
     assert "once an ankle leaps for a frame" in found.sentence
     assert found.to_dict()["leaps"][0]["frame"] == 200
+
+
+def test_a_joint_that_turns_in_a_frame_as_never_recorded_is_told() -> None:
+    """A hand by 60°, once there and once back; the rest of it turns as it was recorded."""
+    made = network(
+        repertoire(kx.performer.walk(seconds=6, fps=60, noise_degrees=1.0, noise_kind="smooth", seed=3).motion)
+    )
+    done = render(made, [0, *made.successors(0)[:1].tolist()])
+    assert checking.check(done, made).jerked == ()
+    rotations = done.motion.rotations.copy()
+    hand = done.motion.skeleton.joint_index["LeftHand"]
+    turn = quaternion.from_rotvec(np.deg2rad([60.0, 0.0, 0.0]))
+    rotations[7, hand] = quaternion.multiply(rotations[7, hand], turn)
+    found = checking.check(dataclasses.replace(done, motion=done.motion.replace(rotations=rotations)), made)
+    assert [(jerk.joint, jerk.frame) for jerk in found.jerked] == [("LeftHand", 7), ("LeftHand", 8)]
+    assert found.jerked[0].turn == pytest.approx(np.deg2rad(60.0), abs=0.1)
+    assert not found.holds
+    assert "twice a joint turns in a frame as never recorded" in found.sentence
+    assert found.to_dict()["jerked"][0]["joint"] == "LeftHand"

@@ -159,13 +159,40 @@ def test_a_joint_bent_both_ways_at_once_is_put_back_in_time(stage: Stage) -> Non
     assert leaps[1].max() < 1.5 * leaps[0].max()
 
 
-def test_a_hand_is_no_straighter_between_two_postures(shared_data: Path) -> None:
-    """Halfway from a hand bent one way to the same bent another it would be straighter than ever recorded."""
-    stage = Stage.of(repertoire([kx.read(shared_data / "cmu" / "07" / "07_01.amc").resample(30.0)]))
+def test_a_hand_goes_from_one_side_to_the_other_without_a_leap(shared_data: Path) -> None:
+    """Bent to all sides in the recording and its mirror image, it is straighter between two postures than ever recorded."""
+    stage = Stage.of(repertoire([kx.read(shared_data / "cmu" / "91" / "91_01.amc").resample(30.0)]))
     ranges, own = Ranges.of(stage), stage.repertoire
-    hand = own.skeleton.joint_names.index("lhand")
-    vectors = blending.rotation_offset(stage.middle[hand], own.rotations[:, :, hand]).reshape(-1, 3)
-    between = 0.5 * (vectors[:, None] + vectors).reshape(-1, 3)[:: max(1, len(vectors) ** 2 // 4000)]
-    over = ranges.bends[hand].over(between)
-    assert over.min() < -np.deg2rad(5.0)
-    assert np.abs(ranges.bends[hand].over(ranges.within(hand, between))).max() < 1e-8
+    share = np.linspace(0.0, 1.0, 200)[:, None]
+    for name in ("lhand", "rhand"):
+        hand = own.skeleton.joint_index[name]
+        assert (ranges.bends[hand].least == 0.0).all()
+        vectors = blending.rotation_offset(stage.middle[hand], own.rotations[:, :, hand]).reshape(-1, 3)[::37]
+        for one, other in zip(vectors, vectors[::-1], strict=True):
+            between = one + share * (other - one)
+            steps = np.linalg.norm(np.diff(ranges.within(hand, between), axis=0), axis=1)
+            assert steps.max() <= 3.0 * np.linalg.norm(other - one) / 199 + 1e-9
+
+
+def test_a_knee_that_was_never_straight_is_not_straightened(stage: Stage) -> None:
+    """Bent to one side alone, it keeps at least the angle it had."""
+    ranges = Ranges.of(stage)
+    for knee in stage.legs.tibias:
+        bends = ranges.bends[knee]
+        known = naive.bones(stage, knee)
+        assert len(known) == len(bends.own) == 1
+        angles = [
+            naive.bend(stage, knee, q, known[0]) for image in (0, 1) for q in stage.repertoire.rotations[image, :, knee]
+        ]
+        if min(angles) > np.deg2rad(1.0):
+            assert bends.least[0] == pytest.approx(min(angles), abs=1e-6)
+
+
+@pytest.mark.parametrize("seed", [0, 17])
+def test_no_joint_of_a_real_walk_turns_quicker_than_it_was_recorded(seed: int, shared_data: Path) -> None:
+    """From frame to frame, whatever is blended: hands of this walk are bent to either side."""
+    piece = kx.performance([kx.read(shared_data / "cmu" / "91" / "91_01.amc")], seconds=30, seed=seed)
+    own, made = piece.network.repertoire.rotations, piece.motion.rotations
+    recorded = quaternion.angle(own[:, 1:], own[:, :-1]).max(axis=(0, 1))
+    assert (quaternion.angle(made[1:], made[:-1]).max(axis=0) < 1.5 * recorded + np.deg2rad(5.0)).all()
+    assert not piece.check.jerked

@@ -83,6 +83,7 @@ def doubts(
         _leapt(piece),
         *_slid(piece),
         _jolted(piece),
+        _jerked(piece),
         _beyond(piece),
     )
     return tuple(line for line in said if line)
@@ -366,6 +367,18 @@ def _jolted(piece: Piece) -> str:
     return (
         f"an ankle is thrown off its way for a frame at {shown}{more}: there the recording's foot turns or slides so quickly "
         "while it bears that the leg must follow; another seed (--seed) may do without"
+    )
+
+
+def _jerked(piece: Piece) -> str:
+    """Joints that turn in a frame as they never do in the recordings."""
+    jerked, fps = piece.check.jerked, piece.motion.fps
+    if not jerked:
+        return ""
+    shown = ", ".join(f"{j.joint} by {math.degrees(j.turn):.0f}° at {j.frame / fps:.2f} s" for j in jerked[:4])
+    return (
+        f"joints turn more from one frame to the next than ever in the recordings: {shown}{_more(len(jerked) - 4)}; another seed "
+        "(--seed) may do without"
     )
 
 

@@ -7,6 +7,7 @@ depths that the recordings set are those that it goes by (`kinesics.synthesis.em
 
 from __future__ import annotations
 
+import itertools
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -18,6 +19,7 @@ from kinesics.body.contacts import runs
 from kinesics.body.motion import Motion
 from kinesics.body.pose import PoseSequence
 from kinesics.body.pose import poses as _poses
+from kinesics.geometry import quaternion
 from kinesics.similarity import distance, mirror_distance, paired_distance
 from kinesics.synthesis.embodiment.ranges import Ranges
 from kinesics.synthesis.embodiment.rendering import Performance
@@ -36,6 +38,8 @@ ROUNDING: Final = 1e-6
 LEAP: Final = 1.45
 """m/s: an ankle whose velocity changes by more leaps, unless the recording's does so there: at 120 frames a second what is thrown
 aside for a frame is 6 mm off its way then, at 30 it is 2.4 cm."""
+JERK: Final = np.deg2rad(5.0)
+"""Radians, and half of the greatest in the recordings, by which a joint may turn more from one frame to the next than there."""
 _WITHIN: Final = 1.0 / 120.0
 """Seconds to either side over which velocities are measured, or a frame where that is longer."""
 BEYOND: Final = 2.5
@@ -68,6 +72,16 @@ class Leap(NamedTuple):
     """By which its velocity changes, m/s."""
 
 
+class Jerk(NamedTuple):
+    """A joint that turns more from one frame to the next than it ever does in the recordings."""
+
+    joint: str
+    frame: int
+    """Of the performance: the later one."""
+    turn: float
+    """Radians."""
+
+
 class Check(NamedTuple):
     """The worst of a performance, each beside what it may be."""
 
@@ -91,15 +105,17 @@ class Check(NamedTuple):
     """The contacts that slide more than `SLIDE`, in the order in which they begin."""
     leaps: tuple[Leap, ...] = ()
     """Ankles that leap as the recording does not (`LEAP`, `BEYOND`), in order of time."""
+    jerked: tuple[Jerk, ...] = ()
+    """Joints that turn in one frame as they never do in the recordings, mirrored counted (`JERK`), in order of time."""
 
     @property
     def holds(self) -> bool:
         """Whether everything is as it may be."""
-        return not self.slides and not self.leaps and self.stays
+        return not self.slides and not self.leaps and not self.jerked and self.stays
 
     @property
     def stays(self) -> bool:
-        """Whether, but for slides and leaps of feet, everything is as it may be."""
+        """Whether, but for slides, leaps and joints that are jerked, everything is as it may be."""
         return (
             self.below_floor <= SUNK
             and self.beyond_range <= ROUNDING
@@ -115,10 +131,11 @@ class Check(NamedTuple):
             f"{self.slides} of {self.contacts} contacts {slide} more than {100 * SLIDE:g} cm, " if self.slides else ""
         )
         leapt = f"{_times(len(self.leaps))} an ankle leaps for a frame, " if self.leaps else ""
+        jerked = f"{_times(len(self.jerked))} a joint turns in a frame as never recorded, " if self.jerked else ""
         beyond = 0.0 if self.beyond_range <= ROUNDING else np.rad2deg(self.beyond_range)
         return (
-            f"{slid}{leapt}feet slide {100 * self.slide:.1f} cm at most, {100 * self.below_floor:.1f} cm below the floor; joints "
-            f"{beyond:.2g}° beyond their range, limbs {1000 * self.deeper:.1f} mm deeper in each other than recorded; "
+            f"{slid}{leapt}{jerked}feet slide {100 * self.slide:.1f} cm at most, {100 * self.below_floor:.1f} cm below the floor; "
+            f"joints {beyond:.2g}° beyond their range, limbs {1000 * self.deeper:.1f} mm deeper in each other than recorded; "
             f"D to the recordings at most {self.distance:.2g} of {self.accepted:.2g}"
         )
 
@@ -136,6 +153,7 @@ class Check(NamedTuple):
             "accepted": self.accepted,
             "slid": [{"foot": s.foot, "start": s.start, "end": s.end, "slide_m": round(s.slide, 6)} for s in self.slid],
             "leaps": [{"foot": p.foot, "frame": p.frame, "velocity_m_s": round(p.velocity, 3)} for p in self.leaps],
+            "jerked": [{"joint": j.joint, "frame": j.frame, "turn_rad": round(j.turn, 4)} for j in self.jerked],
         }
 
 
@@ -164,6 +182,7 @@ def check(done: Performance, network: Network) -> Check:
         network.threshold,
         tuple(slid),
         _leaps(done, known.positions[:, list(stage.legs.feet)], stage),
+        _jerked(motion, repertoire),
     )
 
 
@@ -223,6 +242,25 @@ def _leaps(done: Performance, ankles: Array, stage: Stage) -> tuple[Leap, ...]:
             else:
                 out.append(leap)
     return tuple(sorted(out, key=lambda found: (found.frame, found.foot)))
+
+
+def _jerked(motion: Motion, repertoire: Repertoire) -> tuple[Jerk, ...]:
+    turns = quaternion.angle(motion.rotations[1:], motion.rotations[:-1])
+    # the root turns as the whole body does
+    over = turns[:, 1:] > 1.5 * repertoire.kept(_quickest)[1:] + JERK
+    found = [
+        Jerk(motion.skeleton.joint_names[j + 1], t + 1, float(turns[t, j + 1])) for t, j in np.argwhere(over).tolist()
+    ]
+    return tuple(found)
+
+
+def _quickest(repertoire: Repertoire) -> Array:
+    """The most that each joint turns from one frame to the next, radians, shape (joints,)."""
+    out = np.zeros(repertoire.skeleton.joint_count)
+    for a, b in itertools.pairwise(repertoire.starts.tolist()):
+        for rotations in repertoire.rotations[: 2 if repertoire.mirrored else 1, a:b]:
+            np.maximum(out, quaternion.angle(rotations[1:], rotations[:-1]).max(axis=0, initial=0.0), out=out)
+    return out
 
 
 def _pushed(places: Array, w: int, fps: float) -> Array:

@@ -115,8 +115,11 @@ class Ranges:
             least, most = np.zeros((2, len(own)))
             for k, bone in enumerate(own):
                 turned = quaternion.multiply(quaternion.conjugate(stage.middle[j]), rotations[:, j])
-                angles = _angle(along, quaternion.rotate(turned, bone))
+                directions = quaternion.rotate(turned, bone)
+                angles = _angle(along, directions)
                 least[k], most[k] = angles.min(), angles.max()
+                if _to_all_sides(along, directions):
+                    least[k] = 0.0
             least[least < STRAIGHT], most[most > np.pi - STRAIGHT] = 0.0, np.pi
             bends.append(Bends(np.broadcast_to(along, own.shape).copy(), own, least, most))
             inner[j] = _well_within(
@@ -213,6 +216,23 @@ def _bones(skeleton: Skeleton, joint: int) -> tuple[Array, Array]:
 def _angle(a: Array, b: Array) -> Array:
     """Between directions, radians: exact also where they are nearly the same."""
     return np.asarray(np.arctan2(np.linalg.norm(np.cross(a, b), axis=-1), np.einsum("...i,...i->...", a, b)))
+
+
+def _to_all_sides(along: Array, directions: Array) -> bool:
+    """Whether a bone is bent to all sides of straight on, which then lies between: it may be straighter than it ever was.
+
+    Kept from it, a hand that goes from one side to the other would have to leap across.
+
+    Parameters
+    ----------
+    along : straight on, shape (3,).
+    directions : of the bone, shape (n, 3).
+    """
+    aside = np.cross(along, np.eye(3)[np.abs(along).argmin()])
+    other = np.cross(along, aside)
+    towards = np.sort(np.arctan2(directions @ other, directions @ aside))
+    widest = max(float(np.diff(towards).max(initial=0.0)), float(towards[0] + 2.0 * np.pi - towards[-1]))
+    return widest < np.pi
 
 
 def _well_within(vectors: Array, low: Array, high: Array, bends: Bends) -> Array:
