@@ -20,6 +20,7 @@ from kinesics.synthesis.embodiment.planting import Followed, pin, with_the_feet
 from kinesics.synthesis.embodiment.ranges import put_within_range
 from kinesics.synthesis.embodiment.stage import Stage
 from kinesics.synthesis.embodiment.steady_feet import steady_feet
+from kinesics.synthesis.embodiment.toes import toes_above_the_floor, usual_heights
 from kinesics.synthesis.paths.meeting import same_soles
 from kinesics.synthesis.repertoire import Repertoire
 
@@ -61,6 +62,11 @@ def _planted(own: Repertoire) -> Repertoire:
             along = with_the_feet(stage, steady, own.root_positions[image, first:past], standing)
             turned[image, first:past] = along.turn
             rotations[image, first:past], roots[image, first:past] = _in_stretches(stage, along, standing)
+    usual = usual_heights(stage, dataclasses.replace(own, rotations=rotations, root_positions=roots))
+    for image in (0, 1) if own.mirrored else (0,):
+        for first, past in itertools.pairwise(own.starts.tolist()):
+            part = slice(first, past)
+            rotations[image, part] = toes_above_the_floor(stage, rotations[image, part], roots[image, part], usual)
     for array in (rotations, roots, turned):
         array.setflags(write=False)
     out = dataclasses.replace(own, rotations=rotations, root_positions=roots, turned=turned)

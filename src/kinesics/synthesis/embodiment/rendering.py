@@ -42,6 +42,7 @@ from kinesics.synthesis.embodiment.ranges import YIELD, Ranges, envelope, put_jo
 from kinesics.synthesis.embodiment.rehearsal import played
 from kinesics.synthesis.embodiment.stage import LEAST_TURNING, SPARED, Seams, Stage, bearing, seams, turn_bodies
 from kinesics.synthesis.embodiment.steady_feet import unturned_feet
+from kinesics.synthesis.embodiment.toes import toes_above_the_floor, usual_heights
 from kinesics.synthesis.paths.meeting import meetings
 from kinesics.synthesis.paths.network import Network
 from kinesics.synthesis.repertoire import Repertoire
@@ -171,6 +172,7 @@ def render(
         if _not_too_far(stage, rotations, blended.rotations, laid.moments, network.threshold):
             known = kinematics.forward(network.repertoire.skeleton, rotations, roots, joints=stage.lower)
             roots = above_the_floor(stage, roots, known)
+        rotations = toes_above_the_floor(stage, rotations, roots, usual_heights(stage, played(stage)))
     put_arms_clear(stage, rotations, roots)
     motion = Motion(
         network.repertoire.skeleton,
