@@ -15,11 +15,13 @@ from kinesics.body import kinematics
 from kinesics.body.kinematics import Kinematics
 from kinesics.geometry import quaternion
 from kinesics.synthesis.embodiment.ranges import envelope, put_within_range
-from kinesics.synthesis.embodiment.stage import SOFTLY, SUNK, Stage
+from kinesics.synthesis.embodiment.stage import SOFTLY, Stage
 from kinesics.synthesis.repertoire import Repertoire
 
 Array = NDArray[np.float64]
 
+DEEP: Final = 0.009
+"""Metres below that which are let pass."""
 USUAL: Final = 0.2
 """Quantile of the heights of the ends of toes while their foot bears, at which they usually do: some skeletons draw them longer or
 lower than the flesh is."""
@@ -76,7 +78,7 @@ def usual_heights(stage: Stage, planted: Repertoire) -> Array:
 
 
 def toes_above_the_floor(stage: Stage, rotations: Array, roots: Array, usual: Array) -> Array:
-    """Bent up where they end more than `SUNK` below where they usually do: (frames, joints, 4); the same where none does.
+    """Bent up where they end more than `DEEP` below where they usually do: (frames, joints, 4); the same where none does.
 
     Parameters
     ----------
@@ -88,7 +90,7 @@ def toes_above_the_floor(stage: Stage, rotations: Array, roots: Array, usual: Ar
         return rotations
     known = kinematics.forward(stage.repertoire.skeleton, rotations, roots, joints=stage.lower)
     beneath = ends.beneath(known)
-    below = usual - SUNK - known.positions[:, ends.joints, 1] - beneath[..., 1]
+    below = usual - DEEP - known.positions[:, ends.joints, 1] - beneath[..., 1]
     if not (below > 0.0).any():
         return rotations
     out = rotations.copy()
