@@ -51,6 +51,16 @@ def played(stage: Stage) -> Repertoire:
     return stage.repertoire.kept(_planted)
 
 
+def drawn(stage: Stage) -> Array:
+    """Where toes usually end as they are played (`toes.usual_heights`), metres, shape (n,); kept as long as the repertoire is."""
+    return stage.repertoire.kept(_drawn)
+
+
+def _drawn(own: Repertoire) -> Array:
+    stage = Stage.of(own)
+    return usual_heights(stage, played(stage))
+
+
 def _planted(own: Repertoire) -> Repertoire:
     stage = Stage.of(own)
     rotations, roots = own.rotations.copy(), own.root_positions.copy()

@@ -39,10 +39,10 @@ from kinesics.synthesis.embodiment import blending
 from kinesics.synthesis.embodiment.arms import put_arms_clear
 from kinesics.synthesis.embodiment.planting import above_the_floor, pin
 from kinesics.synthesis.embodiment.ranges import YIELD, Ranges, envelope, put_joint, put_within_range
-from kinesics.synthesis.embodiment.rehearsal import played
+from kinesics.synthesis.embodiment.rehearsal import drawn, played
 from kinesics.synthesis.embodiment.stage import LEAST_TURNING, SPARED, Seams, Stage, bearing, seams, turn_bodies
 from kinesics.synthesis.embodiment.steady_feet import unturned_feet
-from kinesics.synthesis.embodiment.toes import toes_above_the_floor, usual_heights
+from kinesics.synthesis.embodiment.toes import toes_above_the_floor
 from kinesics.synthesis.paths.meeting import meetings
 from kinesics.synthesis.paths.network import Network
 from kinesics.synthesis.repertoire import Repertoire
@@ -172,7 +172,7 @@ def render(
         if _not_too_far(stage, rotations, blended.rotations, laid.moments, network.threshold):
             known = kinematics.forward(network.repertoire.skeleton, rotations, roots, joints=stage.lower)
             roots = above_the_floor(stage, roots, known)
-        rotations = toes_above_the_floor(stage, rotations, roots, usual_heights(stage, played(stage)))
+        rotations = toes_above_the_floor(stage, rotations, roots, drawn(stage))
     put_arms_clear(stage, rotations, roots)
     motion = Motion(
         network.repertoire.skeleton,
