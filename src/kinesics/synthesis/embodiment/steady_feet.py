@@ -14,6 +14,7 @@ turned so. Hence a bearing foot turns only as far as the recording cannot be und
 from __future__ import annotations
 
 import math
+from collections import deque
 from typing import Final
 
 import numpy as np
@@ -148,33 +149,34 @@ def taut(low: Array, high: Array, at: Array) -> Array:
     at : where along the tube each frame lies, rising, shape (frames,).
     """
     floor, ceiling, place = low.tolist(), high.tolist(), at.tolist()
-    last = len(floor) - 1
     begin, end = _level(floor, ceiling), _level(floor[::-1], ceiling[::-1])
     if begin is None or end is None:
         return np.full(len(low), min(max(float(np.mean(0.5 * (low + high))), max(floor)), min(ceiling)))
     floor[0] = ceiling[0] = begin
-    floor[last] = ceiling[last] = end
-    corners, values = [0], [begin]
-    while corners[-1] < last:
-        corner, value = corners[-1], values[-1]
-        below, above = -np.inf, np.inf
-        lower = upper = corner
-        for t in range(corner + 1, last + 1):
-            length = place[t] - place[corner]
-            least, most = (floor[t] - value) / length, (ceiling[t] - value) / length
-            if least > above or most < below:
-                # round what was in the way first
-                corners.append(upper if least > above else lower)
-                values.append(ceiling[upper] if least > above else floor[lower])
-                break
-            if least >= below:
-                below, lower = least, t
-            if most <= above:
-                above, upper = most, t
-        else:
-            corners.append(last)
-            values.append(end)
-    return np.interp(at, at[corners], values)
+    floor[-1] = ceiling[-1] = end
+    # a funnel: from the last corner on, the hulls of what the string may have to go round below and above it
+    corners = [(place[0], begin)]
+    below, above = deque(corners), deque(corners)
+    for x, least, most in zip(place[1:], floor[1:], ceiling[1:], strict=True):
+        for hull, other, point, side in ((below, above, (x, least), 1.0), (above, below, (x, most), -1.0)):
+            while len(hull) > 1 and side * (_slope(hull[-2], hull[-1]) - _slope(hull[-1], point)) <= 0.0:
+                hull.pop()
+            # past the other side: the string is bent round what lies there first
+            while (
+                len(hull) == 1
+                and len(other) > 1
+                and side * (_slope(other[0], point) - _slope(other[0], other[1])) > 0.0
+            ):
+                other.popleft()
+                corners.append(other[0])
+                hull[0] = other[0]
+            hull.append(point)
+    corners.append((place[-1], end))
+    return np.asarray(np.interp(at, *np.array(corners).T))
+
+
+def _slope(a: tuple[float, float], b: tuple[float, float]) -> float:
+    return (b[1] - a[1]) / (b[0] - a[0])
 
 
 def _level(floor: list[float], ceiling: list[float]) -> float | None:
