@@ -61,13 +61,32 @@ BVH_DAMAGE = {
         f"Expected {small_files.BVH_COLUMNS} values, .* got {small_files.BVH_COLUMNS - 1}",
     ),
     "a value too many": (lambda t: in_line(FIRST + 4, lambda s: s + " 1.0", t), FIRST + 4, "got 29"),
-    "cut within a frame": (lambda t: t[:-40], FIRST + 4, "cut off"),
+    "cut within a frame": (
+        lambda t: t[:-40],
+        FIRST + 4,
+        f"Expected {small_files.BVH_COLUMNS} values.*cut off after 4 whole frames of 5: .* again, "
+        f"or delete this line and write 'Frames: 4' on line {FIRST - 2}",
+    ),
+    "cut within a number": (
+        lambda t: "\n".join(t.splitlines()[:FIRST]) + "\n1.5 -",
+        FIRST + 1,
+        "Value 2 .*'-' is not a number.*cut off after 1 whole frame of 5",
+    ),
+    "cut within the first frame": (lambda t: t[: t.index("0.01\n") + 20], FIRST, "cut off in its first frame"),
+    "cut before the frames": (lambda t: t[: t.index("0.01\n") + 5], FIRST - 1, "Expected 5 frames.*none.*cut off"),
+    "cut before the frame time": (lambda t: t[: t.index("Frame Time") + 4], FIRST - 1, "'Frame Time:'.*cut off"),
+    "a piece of a frame too many": (
+        lambda t: t + "1.5 2\n",
+        FIRST + 5,
+        f"got 2. The 5 frames as said on line {FIRST - 2} are there: delete this line",
+    ),
     "cut between frames": (
         lambda t: "\n".join(t.splitlines()[:-2]) + "\n",
         FIRST + 2,
-        "Expected 5 frames.*got 3.*cut off",
+        f"Expected 5 frames as said on line {FIRST - 2}, got 3.*cut off.*or write 'Frames: 3' on line {FIRST - 2}",
     ),
-    "cut in the skeleton": (lambda t: t[: t.index("JOINT Head")], None, "cut off"),
+    "cut in the skeleton": (lambda t: t[: t.index("JOINT Head")], None, "brackets.*cut off before its first frame"),
+    "cut within a word": (lambda t: t[: t.index("OFFSET 28") + 3], None, "got 'OFF'.*cut off before its first frame"),
     "no frames": (lambda t: t[: t.index("0.01\n") + 5].replace("Frames: 5", "Frames: 0"), FIRST - 2, "no frames"),
     "no motion": (lambda t: small_files.BVH_TREE, None, "MOTION.*cut off"),
     "frame time 0": (lambda t: t.replace("0.01\n", "0\n"), FIRST - 1, "frame time of 0"),
@@ -129,6 +148,11 @@ AMC_DAMAGE = {
     ),
     "cut within a line": (lambda t: t[: t.rindex(" ")] + "\n", ROW + 29, "got 1.*cut off"),
     "cut between lines": (lambda t: t[: t.rindex("lfoot")], ROW + 28, "Frame 5 has no values for 'lfoot'.*cut off"),
+    "cut within a name": (
+        lambda t: t[: t.rindex("ltibia") + 3],
+        ROW + 28,
+        "Frame 5 ends with 'lti'.*cut off in frame 5: .* or delete what there is of that frame",
+    ),
     "cut after a number": (lambda t: t[: t.rindex("root")], None, "Frame 5 has no values.*cut off"),
     "no frame number": (lambda t: t.replace("\n1\n", "\n", 1), ROW, "Expected a frame number, got 'root"),
     "no frames": (lambda t: "#x\n:FULLY-SPECIFIED\n:DEGREES\n", None, "no frames"),
@@ -191,6 +215,18 @@ def test_a_damaged_amc_is_one_error_with_its_line(tmp_path, monkeypatch, damage,
     with pytest.raises(FileError, match=words) as caught:
         kx.read(path, up="y")
     assert line is None or caught.value.line == line
+
+
+def test_a_bvh_cut_off_anywhere_is_said_to_be(tmp_path) -> None:
+    """Whichever byte is the last one: only within the very last number nothing can be told."""
+    whole = small_bvh().rstrip()
+    path = tmp_path / "a.bvh"
+    before_last_number = whole.rindex(" ") + 1
+    for end in range(1, before_last_number + 1):
+        path.write_text(whole[:end])
+        with pytest.raises(FileError, match=r"seems cut off.*fetch or export it again") as caught:
+            kx.read(path, unit="m", up="y")
+        assert caught.value.line == whole[:end].rstrip().count("\n") + 1
 
 
 @pytest.mark.parametrize("damage", ASF_DAMAGE)

@@ -188,7 +188,7 @@ def _read_slowly(file: text.TextFile, position: int, asf: Asf, columns: dict[str
             file.fail(
                 f"Frame {number} has no values for {some_of(lacking)}, which the first frame has.",
                 offset=len(file.data.rstrip()) if last else position,
-                hint="The file seems cut off." if last else "",
+                hint=_cut_off(number) if last else "",
             )
         extra = [name for name in bones if name not in columns]
         if extra:
@@ -213,47 +213,58 @@ def _frame_at(file: text.TextFile, position: int, asf: Asf) -> tuple[int, dict[s
             if number is not None:
                 break
             number = int(words[0])
-        elif words and number is None:
-            hint = (
-                f"Perhaps the first frame has no '{words[0]}'; all frames must have the same bones."
-                if words[0] in asf.bones
-                else ""
-            )
-            file.fail(f"Expected a frame number, got '{text.short(' '.join(words))}'.", offset=position, hint=hint)
         elif words:
+            if number is None:
+                hint = (
+                    f"Perhaps the first frame has no '{words[0]}'; all frames must have the same bones."
+                    if words[0] in asf.bones
+                    else ""
+                )
+                file.fail(f"Expected a frame number, got '{text.short(' '.join(words))}'.", offset=position, hint=hint)
             if words[0] in bones:
                 file.fail(f"Frame {number} has '{words[0]}' twice.", offset=position)
-            bones[words[0]] = _bone_values(file, words, position, asf)
+            bones[words[0]] = _bone_values(file, words, position, asf, number)
         position += len(line) + 1
     if number is None:
         file.fail("There are no frames in this file.", offset=len(file.data))
     if not bones:
-        file.fail(f"Frame {number} has no values.", offset=position, hint="The file seems cut off.")
+        last = not file.data[position:].strip()
+        file.fail(f"Frame {number} has no values.", offset=position, hint=_cut_off(number) if last else "")
     return number, bones, min(position, len(file.data))
 
 
-def _bone_values(file: text.TextFile, words: list[str], position: int, asf: Asf) -> list[float]:
+def _cut_off(number: int) -> str:
+    """What to do where the file ends within a frame."""
+    return f"{text.CUT_OFF} in frame {number}: {text.GET_AGAIN}, or delete what there is of that frame."
+
+
+def _bone_values(file: text.TextFile, words: list[str], position: int, asf: Asf, frame: int) -> list[float]:
     """The numbers of one bone's line."""
     bone = asf.bones.get(words[0])
+    last = file.ends_with_line_at(position)
+    # a last name or number may be cut to its beginning, which no line end follows
+    halved = last and not file.data.endswith(b"\n")
     if bone is None:
+        if halved and len(words) == 1 and any(name.startswith(words[0]) for name in asf.bones):
+            file.fail(f"Frame {frame} ends with '{words[0]}'.", offset=position, hint=_cut_off(frame))
         file.fail(
             f"'{text.short(words[0])}' is no bone of {asf.path.name}.",
             offset=position,
             hint=f"Its bones are: {', '.join(asf.bones)}. Is it the skeleton of this recording?",
         )
     values = []
-    for word in words[1:]:
+    for place, word in enumerate(words[1:], start=2):
         try:
             values.append(text.number(word))
         except ValueError:
-            file.fail(f"{bone.name}: {text.why_not_a_number(word)}", offset=position)
+            hint = _cut_off(frame) if halved and place == len(words) else ""
+            file.fail(f"{bone.name}: {text.why_not_a_number(word)}", offset=position, hint=hint)
     if len(values) != len(bone.dofs):
         listed = f" ({' '.join(bone.dofs)})" if bone.dofs else ""
-        last = not file.data[position + len(file.line_at(position)) :].strip()
         file.fail(
             f"Expected {len(bone.dofs)} values{listed} for '{bone.name}', got {len(values)}.",
             offset=position,
-            hint="The file seems cut off." if last and len(values) < len(bone.dofs) else "",
+            hint=_cut_off(frame) if last and len(values) < len(bone.dofs) else "",
         )
     return values
 

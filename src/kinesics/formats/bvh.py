@@ -30,6 +30,7 @@ _WORD = re.compile(r"[{}]|[^\s{}]+")
 _FRAMES = re.compile(rb"\s*Frames\b\s*:?\s*(\S*)\s*$", re.IGNORECASE)
 _FRAME_TIME = re.compile(rb"\s*Frame\s*Time\b\s*:?\s*(\S*)\s*$", re.IGNORECASE)
 _CHANNEL = re.compile(r"([XYZ])(position|rotation)", re.IGNORECASE)
+_CUT_BEFORE_FRAMES = f"{text.CUT_OFF} before its first frame: {text.GET_AGAIN}."
 _SAME_PLACE = 1e-6
 """Of the skeleton's size: a position channel that stays this near to the OFFSET says nothing that the OFFSET does not."""
 
@@ -84,8 +85,8 @@ def read(path: Path, raw: bytes, options: ReadOptions) -> Recording:
     file = text.TextFile.of(path, raw)
     motion = _MOTION.search(file.data, 0, _LARGEST_HEADER)
     if motion is None:
-        _HeaderReader(file, text.decode(file.data[:_LARGEST_HEADER])).read()
-        file.fail("Expected a line MOTION after the skeleton.", offset=len(file.data), hint="The file seems cut off.")
+        _HeaderReader(file, text.decode(file.data[:_LARGEST_HEADER]), ends_file=True).read()
+        file.fail("Expected a line MOTION after the skeleton.", offset=len(file.data.rstrip()), hint=_CUT_BEFORE_FRAMES)
     tree = _HeaderReader(file, text.decode(file.data[: motion.start()])).read()
     fps, values = _read_motion(file, motion.end(), tree, options)
     skeleton = _skeleton(tree)
@@ -117,10 +118,11 @@ def read(path: Path, raw: bytes, options: ReadOptions) -> Recording:
 
 
 class _HeaderReader:
-    """Reads the part before MOTION, word by word."""
+    """Reads the part before MOTION, word by word; it may also be where the file ends."""
 
-    def __init__(self, file: text.TextFile, header: str) -> None:
+    def __init__(self, file: text.TextFile, header: str, *, ends_file: bool = False) -> None:
         self.file = file
+        self.ends_file = ends_file
         # comments are blanked and not cut out, so that lines keep their numbers
         self.text = _COMMENT.sub("", header)
         self.position = 0
@@ -235,7 +237,7 @@ class _HeaderReader:
         if found is None:
             self.position = stop
             if not end:
-                self._fail("The skeleton ends before all its brackets are closed.", hint="The file seems cut off.")
+                self._fail("The skeleton ends before all its brackets are closed.")
             return ""
         self.position = found.end()
         return found[0]
@@ -250,8 +252,12 @@ class _HeaderReader:
         self.position = stop
         return rest
 
-    def _fail(self, problem: str, *, line: int | None = None, hint: str = "") -> NoReturn:
-        self.file.fail(problem, line=line or self.line, hint=hint)
+    def _fail(self, problem: str, *, line: int | None = None) -> NoReturn:
+        # what does not fit at the very end of a file is most often half of what stood there
+        cut = self.ends_file and not self.text[self.position :].strip()
+        if cut:
+            line = self.text.count("\n", 0, len(self.text.rstrip())) + 1
+        self.file.fail(problem, line=line or self.line, hint=_CUT_BEFORE_FRAMES if cut else "")
 
     def _make_names_unique(self, tree: _Hierarchy) -> None:
         taken = {joint.name for joint in tree.joints}
@@ -275,13 +281,15 @@ def _read_motion(file: text.TextFile, position: int, tree: _Hierarchy, options: 
     promised: int | None = None
     frame_time: str | None = None
     frame_time_line = frames_line = 0
+    frame_time_cut = ""
     while position < len(file.data):
         line = file.line_at(position)
         if (found := _FRAMES.match(line)) is not None:
             frames_line = file.line_number(position)
-            promised = _frame_count(file, text.decode(found[1]), frames_line)
+            promised = _frame_count(file, text.decode(found[1]), frames_line, _cut_at(file, position))
         elif (found := _FRAME_TIME.match(line)) is not None:
             frame_time, frame_time_line = text.decode(found[1]), file.line_number(position)
+            frame_time_cut = _cut_at(file, position)
         elif line.strip() and not line.lstrip().startswith((b"#", b"//")):
             break
         position += len(line) + 1
@@ -289,40 +297,76 @@ def _read_motion(file: text.TextFile, position: int, tree: _Hierarchy, options: 
     if options.fps is not None:
         fps = options.fps
     elif frame_time is None:
+        cut = b"frame time:".startswith(file.data[position:].strip().lower())
         file.fail(
-            "Expected a line 'Frame Time:' after MOTION.", offset=position, hint="Give the frame rate (--fps, fps=)."
+            "Expected a line 'Frame Time:' after MOTION.",
+            offset=len(file.data.rstrip()) if cut else position,
+            hint=_CUT_BEFORE_FRAMES if cut else "Give the frame rate (--fps, fps=).",
         )
     else:
-        fps, said = _frame_rate(file, frame_time, frame_time_line)
+        fps, said = _frame_rate(file, frame_time, frame_time_line, frame_time_cut)
         tree.assumptions.extend(said)
     values, stop = text.parse_rows(file.data, position, tree.columns)
     if stop >= 0:
-        _explain_row(file, stop, tree)
+        _explain_row(file, stop, tree, _Frames(len(values), promised, frames_line))
+    if promised is not None and len(values) < promised:
+        frames = _Frames(len(values), promised, frames_line)
+        file.fail(
+            f"Expected {frames.expected()}, got {len(values) or 'none'}.",
+            offset=len(file.data.rstrip()),
+            hint=frames.cut_off(),
+        )
     if len(values) == 0:
         file.fail("There are no frames in this file.", line=frames_line or None)
-    if promised is not None and len(values) < promised:
-        file.fail(
-            f"Expected {promised} frames as said on line {frames_line}, got {len(values)}.",
-            offset=len(file.data.rstrip()),
-            hint="The file seems cut off.",
-        )
     if promised is not None and len(values) > promised:
         tree.warnings.append(f"line {frames_line} promises {promised} frames but there are {len(values)}: all are read")
     text.refuse_huge(file, values)
     return fps, values
 
 
-def _frame_count(file: text.TextFile, word: str, line: int) -> int:
+@dataclass(frozen=True)
+class _Frames:
+    """How many frames came whole, and how many were promised, on which line."""
+
+    whole: int
+    promised: int | None
+    line: int
+
+    def expected(self) -> str:
+        """What was promised, in words."""
+        return f"{self.promised} {'frame' if self.promised == 1 else 'frames'} as said on line {self.line}"
+
+    def cut_off(self, *, within_line: bool = False) -> str:
+        """What to do where the file ends before its time, perhaps within its last line."""
+        if self.promised is not None and self.whole >= self.promised:
+            return f"The {self.expected()} are there: delete this line."
+        if self.whole == 0:
+            return _CUT_BEFORE_FRAMES if not within_line else f"{text.CUT_OFF} in its first frame: {text.GET_AGAIN}."
+        came = ""
+        if within_line:
+            came = f" after {self.whole} whole {'frame' if self.whole == 1 else 'frames'}"
+            came += f" of {self.promised}" if self.promised is not None else ""
+        mend = ["delete this line"] if within_line else []
+        mend += [] if self.promised is None else [f"write 'Frames: {self.whole}' on line {self.line}"]
+        return f"{text.CUT_OFF}{came}: {text.GET_AGAIN}, or {' and '.join(mend)} to use what there is."
+
+
+def _cut_at(file: text.TextFile, position: int) -> str:
+    """A hint where the file ends with this line, which then may lack its word, or half of it."""
+    return _CUT_BEFORE_FRAMES if file.ends_with_line_at(position) else ""
+
+
+def _frame_count(file: text.TextFile, word: str, line: int, hint: str) -> int:
     try:
         count = text.number(word)
     except ValueError:
         count = -1.0
     if count < 0 or count != int(count):
-        file.fail(f"Expected a number of frames after 'Frames:', got '{text.short(word)}'.", line=line)
+        file.fail(f"Expected a number of frames after 'Frames:', got '{text.short(word)}'.", line=line, hint=hint)
     return int(count)
 
 
-def _frame_rate(file: text.TextFile, word: str, line: int) -> tuple[float, list[str]]:
+def _frame_rate(file: text.TextFile, word: str, line: int, hint: str) -> tuple[float, list[str]]:
     """Frames a second of a printed frame time.
 
     A time is printed with few digits (0.00833333): where a usual rate prints as the same digits, or a whole number of frames
@@ -331,9 +375,9 @@ def _frame_rate(file: text.TextFile, word: str, line: int) -> tuple[float, list[
     try:
         seconds = text.number(word)
     except ValueError:
-        file.fail(f"Expected seconds after 'Frame Time:': {text.why_not_a_number(word)}", line=line)
+        file.fail(f"Expected seconds after 'Frame Time:': {text.why_not_a_number(word)}", line=line, hint=hint)
     if not 1e-5 <= seconds <= 1e4:
-        file.fail(f"A frame time of {word} s cannot be.", line=line, hint="Give the frame rate (--fps, fps=).")
+        file.fail(f"A frame time of {word} s cannot be.", line=line, hint=hint or "Give the frame rate (--fps, fps=).")
     mantissa, _, exponent = word.lower().partition("e")
     last_place = 10.0 ** (int(exponent or 0) - len(mantissa.partition(".")[2]))
     fps = 1.0 / seconds
@@ -346,18 +390,21 @@ def _frame_rate(file: text.TextFile, word: str, line: int) -> tuple[float, list[
     return fps, []
 
 
-def _explain_row(file: text.TextFile, offset: int, tree: _Hierarchy) -> None:
+def _explain_row(file: text.TextFile, offset: int, tree: _Hierarchy, frames: _Frames) -> None:
     """Say what is wrong with a line of the motion."""
     words = text.decode(file.line_at(offset)).split()
-    last = not file.data[offset + len(file.line_at(offset)) :].strip()
+    last = file.ends_with_line_at(offset)
+    # a last number may be cut to a sign or an open power, which no line end follows
+    halved = last and not file.data.endswith(b"\n")
     for place, word in enumerate(words):
         try:
             text.number(word)
         except ValueError:
             names = _column_names(tree)
             where = f" ({names[place]})" if place < len(names) else ""
-            file.fail(f"Value {place + 1}{where}: {text.why_not_a_number(word)}", offset=offset)
-    hint = "The file seems cut off." if last and len(words) < tree.columns else ""
+            hint = frames.cut_off(within_line=True) if halved and place == len(words) - 1 else ""
+            file.fail(f"Value {place + 1}{where}: {text.why_not_a_number(word)}", offset=offset, hint=hint)
+    hint = frames.cut_off(within_line=True) if last and len(words) < tree.columns else ""
     file.fail(
         f"Expected {tree.columns} values, one for each channel of the skeleton, got {len(words)}.",
         offset=offset,

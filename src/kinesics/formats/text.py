@@ -22,6 +22,9 @@ Array = NDArray[np.float64]
 LARGEST_VALUE: Final = 1e9
 """No length in any unit, and no angle in degrees, of a moving body is larger: such a number is a damaged one."""
 
+CUT_OFF: Final = "The file seems cut off"
+GET_AGAIN: Final = "fetch or export it again"
+
 _CHUNK = 1024
 
 
@@ -71,6 +74,10 @@ class TextFile:
         """The line that begins at a byte, without its end."""
         stop = self.data.find(b"\n", offset)
         return self.data[offset : len(self.data) if stop < 0 else stop]
+
+    def ends_with_line_at(self, offset: int) -> bool:
+        """Whether nothing but blanks follows the line that begins at a byte."""
+        return not self.data[offset + len(self.line_at(offset)) :].strip()
 
     def fail(self, problem: str, *, offset: int | None = None, line: int | None = None, hint: str = "") -> NoReturn:
         """Raise a `FileError` that names the line."""
