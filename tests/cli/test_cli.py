@@ -52,6 +52,14 @@ def test_help_fits_a_terminal_of_80_columns_and_shows_examples(kinesics: Kinesic
 
 
 @pytest.mark.parametrize("line", EXAMPLES)
+def test_an_example_stands_whole_on_a_line_of_its_own(kinesics: Kinesics, line: str) -> None:
+    """So that it can be copied from a terminal of 80 columns."""
+    words = line.split()[1:]
+    shown = kinesics(*words[: 2 if words[0] == "data" else 1], "--help").out
+    assert line in [part.strip() for part in shown.splitlines()]
+
+
+@pytest.mark.parametrize("line", EXAMPLES)
 def test_examples_are_calls_that_the_commands_take(line: str) -> None:
     """Every option and argument in the examples beneath a command's help is one of its own."""
     name, *words = shlex.split(line)

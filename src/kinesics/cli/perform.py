@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
 SUMMARY = "Make new movement from recordings."
 EXAMPLES = (
-    ("kinesics perform walk.bvh --out new.bvh --target 2,4", "walks there"),
-    ("kinesics perform a.amc b.amc --out new.glb --route eight.csv", "along a line"),
-    ("kinesics perform dance.bvh --out new.bvh --out new.glb --seconds 60", "twice"),
-    ("kinesics perform a.bvh --out new.bvh --from A --to 'B*'", "state to state"),
+    ("kinesics perform walk.bvh --out new.bvh --target 2,4", "walks to a place: 2 m to the left, 4 m ahead"),
+    ("kinesics perform a.amc b.amc --out new.glb --route eight.csv", "along a line: a corner x,z a row, in metres"),
+    ("kinesics perform dance.bvh --out new.bvh --out new.glb --seconds 60", "a minute, in two formats"),
+    ("kinesics perform a.bvh --out new.bvh --from A --to 'B*'", "from state to state of the motion graph"),
 )
 
 

@@ -39,9 +39,8 @@ def print_json(result: object) -> None:
 
 
 def examples(lines: Sequence[tuple[str, str]]) -> str:
-    """The examples beneath a command's help: what one types, and why."""
-    width = max(len(command) for command, _ in lines)
-    shown = (f"  {command:<{width}}  [dim]{why}[/dim]" if why else f"  {command}" for command, why in lines)
+    """The examples beneath a command's help: why, and below it what one types, on a line of its own that can be copied."""
+    shown = (f"[dim]# {why}[/dim]\n{command}" if why else command for command, why in lines)
     return "[bold]Examples[/bold]\n\n" + "\n\n".join(shown)
 
 
