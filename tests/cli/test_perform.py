@@ -395,6 +395,17 @@ def test_too_few_frames_are_told(kinesics: Kinesics, walk: Path, tmp_path: Path,
     assert files(tmp_path) == {"short.bvh"}
 
 
+def test_what_is_doubtful_in_a_file_is_told_where_nothing_comes_of_it(
+    kinesics: Kinesics, walk: Path, tmp_path: Path
+) -> None:
+    """It may be why: a body that lies, here, for z is not up."""
+    kx.write(kx.read(walk)[:12], tmp_path / "short.bvh")
+    got = kinesics("perform", "short.bvh", "--up", "z", "--out", "new.bvh")
+    assert got.code == 2
+    assert got.err.startswith("short.bvh: With z up the body never stands: it lies")
+    assert "'short' lasts 0.4 s" in got.err.splitlines()[-1]
+
+
 def test_a_single_pose_beside_others_is_left_out(kinesics: Kinesics, walk: Path, tmp_path: Path) -> None:
     """Told among what is doubtful; the others are performed as without it, also where it comes first."""
     kx.write(kx.read(walk)[0], tmp_path / "pose.bvh")

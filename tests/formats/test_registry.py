@@ -16,6 +16,7 @@ import small_files
 from kinesics import formats
 from kinesics.errors import FileError, InputError
 from kinesics.formats import registry
+from kinesics.geometry import quaternion
 
 
 @pytest.fixture
@@ -150,3 +151,51 @@ def test_paths_may_be_text(tmp_path, rng) -> None:
     """A string does as well as a Path."""
     (tmp_path / "a.bvh").write_text(small_files.bvh(rng))
     assert kx.read(os.fspath(tmp_path / "a.bvh"), unit="m").name == "a"
+
+
+@pytest.fixture(scope="module")
+def whole_walk():
+    """A whole body that walks."""
+    return kx.performer.walk(seconds=3, fps=20).motion
+
+
+@pytest.mark.parametrize("suffix", ["bvh", "amc"])
+@pytest.mark.parametrize(("up", "does"), [("z", "lies"), ("-x", "lies"), ("-y", "hangs head down")])
+def test_a_body_that_never_stands_is_doubted(tmp_path, whole_walk, suffix, up, does) -> None:
+    """Under a wrong up axis it lies or hangs all the time; which axis it should be is said, for every format alike."""
+    path = tmp_path / f"walk.{suffix}"
+    kx.write(whole_walk, path)
+    (doubt,) = kx.read(path, up=up).warnings
+    assert doubt.startswith(f"With {up} up the body never stands: it {does}, its head over its feet along y.")
+    assert '--up y (up="y")' in doubt
+    for right in ("y", None):
+        assert kx.read(path, up=right).warnings == ()
+    # a stored motion is not doubted twice
+    kx.write(kx.read(path, up=up), tmp_path / "stored.npz")
+    assert kx.read(tmp_path / "stored.npz").warnings == (doubt,)
+
+
+def test_who_lies_but_stands_at_some_time_is_not_doubted(tmp_path, whole_walk) -> None:
+    """A body that rests on the floor and gets up; one that only rests is doubted, but no axis can be named for one that rolls."""
+    half = np.sqrt(0.5)
+    frames = whole_walk.frame_count
+    lying = np.array([half, -half, 0.0, 0.0])
+    turns = np.broadcast_to(lying, (frames, 4)).copy()
+    turns[-frames // 4 :] = [1.0, 0.0, 0.0, 0.0]
+    up_again = _rolled(whole_walk, turns)
+    kx.write(up_again, tmp_path / "up.bvh")
+    assert kx.read(tmp_path / "up.bvh", up="y").warnings == ()
+    about = np.linspace(0.0, 2.0 * np.pi, frames, endpoint=False) / 2.0
+    rolling = np.stack([np.cos(about), 0 * about, np.sin(about), 0 * about], axis=1)
+    kx.write(_rolled(whole_walk, quaternion.multiply(rolling, turns[0])), tmp_path / "roll.bvh")
+    (doubt,) = kx.read(tmp_path / "roll.bvh", up="y").warnings
+    assert doubt == (
+        "With y up the body never stands: it lies. If it should stand, give the axis that points up (--up, up=)."
+    )
+
+
+def _rolled(motion, turns):
+    """The whole body turned about its pelvis, another turn a frame, shape (frames, 4)."""
+    rotations = motion.rotations.copy()
+    rotations[:, 0] = quaternion.multiply(turns, rotations[:, 0])
+    return motion.replace(rotations=rotations)

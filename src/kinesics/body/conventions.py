@@ -45,6 +45,8 @@ class Conventions(NamedTuple):
     up_axis: str
     """"x", "y", "z" or with a minus."""
     assumptions: tuple[str, ...]
+    warnings: tuple[str, ...] = ()
+    """What speaks against the up axis."""
 
 
 def detect(
@@ -80,7 +82,7 @@ def detect(
         said.append(why)
     else:
         scale = unit_scale(unit)
-    return Conventions(scale, up_axis, tuple(said))
+    return Conventions(scale, up_axis, tuple(said), _doubt_of_up(positions, body, up_axis))
 
 
 def unit_scale(unit: str | float) -> float:
@@ -127,16 +129,28 @@ def rotate_world(rotation: Array, rotations: Array, root_positions: Array) -> tu
     return turned, quaternion.rotate(rotation, root_positions)
 
 
-def _detect_up(positions: Array, body: dict[str, int]) -> tuple[str, str]:
+def _from_feet_to_head(positions: Array, body: dict[str, int]) -> Array | None:
+    """Directions of length 1 in every frame, shape (frames, 3); None where head or feet are not known."""
     feet = [body[k] for k in ("left_foot", "right_foot", "left_tibia", "right_tibia") if k in body][:2]
-    if "head" in body and feet:
-        rise = positions[:, body["head"]] - positions[:, feet].mean(axis=1)
-        size = np.linalg.norm(rise, axis=1)
-        share = (rise / np.maximum(size, 1e-12)[:, None]).mean(axis=0)
-        axis = int(np.argmax(np.abs(share)))
-        # most of the time the head is over the feet; a clip spent lying down tells nothing, and y is the custom
-        if abs(share[axis]) > 0.6:
-            name = ("-" if share[axis] < 0 else "") + "xyz"[axis]
+    if "head" not in body or not feet:
+        return None
+    rise = positions[:, body["head"]] - positions[:, feet].mean(axis=1)
+    return np.asarray(rise / np.maximum(np.linalg.norm(rise, axis=1), 1e-12)[:, None])
+
+
+def _stands_along(share: Array) -> str | None:
+    """The axis that the head is over the feet along, by the mean direction; None where it is none."""
+    axis = int(np.argmax(np.abs(share)))
+    # most of the time the head is over the feet; a clip spent lying down tells nothing, and y is the custom
+    return ("-" if share[axis] < 0 else "") + "xyz"[axis] if abs(share[axis]) > 0.6 else None
+
+
+def _detect_up(positions: Array, body: dict[str, int]) -> tuple[str, str]:
+    rise = _from_feet_to_head(positions, body)
+    if rise is not None:
+        share = rise.mean(axis=0)
+        name = _stands_along(share)
+        if name is not None:
             return name, "the head is over the feet along it"
         floor = _detect_floor(positions, share)
         if floor is not None:
@@ -146,6 +160,24 @@ def _detect_up(positions: Array, body: dict[str, int]) -> tuple[str, str]:
             )
         return "y", "by custom, for the body does not stand in this recording (if it is not, say so: --up, up=)"
     return "y", "by custom, for head and feet are not known (if it is not, say so: --up, up=)"
+
+
+def _doubt_of_up(positions: Array, body: dict[str, int], up_axis: str) -> tuple[str, ...]:
+    """A sentence if the body never stands, as it does at some time in nearly every recording."""
+    rise = _from_feet_to_head(positions, body)
+    if rise is None or not rise.any():
+        return ()
+    upwards = rise[:, "xyz".index(up_axis[-1])] * (-1.0 if up_axis[0] == "-" else 1.0)
+    # within 60 degrees of upright is no lying
+    if upwards.max() > 0.5:
+        return ()
+    does = "hangs head down" if upwards.max() < -0.5 else "lies"
+    along = _stands_along(rise.mean(axis=0))
+    mend = "give the axis that points up (--up, up=)"
+    if along is not None:
+        does += f", its head over its feet along {along}"
+        mend = f'read it with --up {along} (up="{along}")'
+    return (f"With {up_axis} up the body never stands: it {does}. If it should stand, {mend}.",)
 
 
 def _detect_floor(positions: Array, share: Array) -> str | None:

@@ -12,6 +12,7 @@ from kinesics.cli import perform_options as options
 from kinesics.cli import recording, terminal
 from kinesics.cli.perform_summary import summarize
 from kinesics.cli.recording import Reading
+from kinesics.errors import InputError
 
 if TYPE_CHECKING:
     from kinesics.report.performances import Saved
@@ -100,17 +101,22 @@ def perform(
         for remark in left_out:
             terminal.remark(remark)
         recording.check_none_of(out or (), itertools.starmap(recording.skeleton_beside, read))
-        piece = fulfil(
-            [motion for _, motion in read],
-            asked,
-            skeleton=body,
-            mapping=reading.mapping(),
-            edits=known_better,
-            progress=bar.part(0.15, 0.8),
-        )
-        piece = piece.with_warnings(
-            [*left_out, *(f"{file.name}: {said}" for file, motion in read for said in motion.warnings)]
-        )
+        doubts = [f"{file.name}: {said}" for file, motion in read for said in motion.warnings]
+        try:
+            piece = fulfil(
+                [motion for _, motion in read],
+                asked,
+                skeleton=body,
+                mapping=reading.mapping(),
+                edits=known_better,
+                progress=bar.part(0.15, 0.8),
+            )
+        except InputError:
+            # what looked wrong in a file may be why nothing comes of it
+            for doubt in doubts:
+                terminal.remark(doubt)
+            raise
+        piece = piece.with_warnings([*left_out, *doubts])
         if out:
             saved = performances.save_performance(piece, out, overwrite=overwrite, progress=bar.part(0.8, 1.0))
     if json:

@@ -327,7 +327,8 @@ def _to_metres_and_y_up(recording: Recording, source: Source, options: ReadOptio
         name=path.stem if recording.name is None else recording.name,
         source=source,
         assumptions=(*recording.assumptions, *judged.assumptions),
-        warnings=recording.warnings,
+        # a motion that was stored as one was doubted when it was first read
+        warnings=(*recording.warnings, *(judged.warnings if recording.source is None else ())),
     )
 
 
