@@ -52,3 +52,14 @@ def directions(positions, names, bones):
             rows.append(v / math.sqrt(sum(c * c for c in v)))
         out[start] = np.array(rows)
     return out
+
+
+def mirrored_bones(positions, parents, partner, lengths):
+    """Where joints are, from the first: each bone of its own length, pointing as its counterpart does in the mirror."""
+    out = np.zeros_like(positions)
+    for f, frame in enumerate(positions):
+        for j in range(1, len(parents)):
+            x, y, z = frame[partner[j]] - frame[parents[partner[j]]]
+            length = math.sqrt(x * x + y * y + z * z)
+            out[f, j] = out[f, parents[j]] + lengths[j] / length * np.array([-x, y, z])
+    return out

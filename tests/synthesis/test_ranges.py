@@ -196,3 +196,24 @@ def test_no_joint_of_a_real_walk_turns_quicker_than_it_was_recorded(seed: int, s
     recorded = quaternion.angle(own[:, 1:], own[:, :-1]).max(axis=(0, 1))
     assert (quaternion.angle(made[1:], made[:-1]).max(axis=0) < 1.5 * recorded + np.deg2rad(5.0)).all()
     assert not piece.check.jerked
+
+
+@pytest.mark.parametrize("clip", ["07/07_01", "16/16_35"])
+def test_necks_bend_no_farther_than_recorded_where_their_bones_lean(shared_data: Path, clip: str) -> None:
+    """The recording alone is asked, not its mirror image as it is performed: spine and neck are within a degree of it."""
+    recorded = kx.read(shared_data / f"cmu/{clip}.amc").resample(30.0)
+    made = kx.performance(recorded, seconds=20, seed=3)
+    assert 0.2 < made.mirrored_share < 0.8
+    for joint in ("upperback", "thorax", "lowerneck", "upperneck"):
+        ours, theirs = (neck_bend(motion, joint) for motion in (made.motion, recorded))
+        assert ours.max() < theirs.max() + 1.0
+        assert ours.min() > theirs.min() - 1.0
+
+
+def neck_bend(motion: kx.Motion, joint: str) -> Array:
+    """Degrees between the bones that meet in a joint, in every frame."""
+    skeleton, places = motion.skeleton, motion.positions()
+    j = skeleton.find(joint)
+    before, after = places[:, j] - places[:, skeleton.parents[j]], places[:, skeleton.children[j][0]] - places[:, j]
+    size = np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)
+    return np.degrees(np.arccos(np.clip(np.sum(before * after, axis=1) / size, -1.0, 1.0)))

@@ -218,8 +218,11 @@ def bandai(shared: Path, folder: Path, *names: str) -> list[Motion]:
     return out
 
 
-def check(rep: Repertoire) -> None:
-    """What holds for all recordings: images are images, feet stand on the ground, the root lies in the pelvis."""
+def check(rep: Repertoire, leans: bool) -> None:
+    """What holds for all recordings: images are images, feet stand on the ground, the root lies in the pelvis.
+
+    Links of the trunk turn a little where bones of the skeleton lean to one side.
+    """
     body = rep.skeleton.anatomy
     assert body is not None
     for strand in (0, 1):
@@ -233,7 +236,10 @@ def check(rep: Repertoire) -> None:
             assert (seen.feet == kept).mean() > 0.95
             np.testing.assert_allclose(motion.positions()[:, body.pelvis], motion.root_positions, atol=1e-9)
     image = Motion(rep.skeleton, rep.rotations[1], rep.root_positions[1], rep.fps)
-    assert quaternion.angle(kx.poses(image).quaternions, rep.poses.mirror().quaternions).max() < 1e-6
+    off = quaternion.angle(kx.poses(image).quaternions, rep.poses.mirror().quaternions).max(axis=0)
+    bear = [k for k, name in enumerate(LINKS) if name.endswith(("root", "femur", "tibia", "radius"))]
+    assert off[bear].max() < 1e-6
+    assert off.max() < 1e-6 or (leans and off.max() < np.deg2rad(25.0))
     np.testing.assert_allclose(rep.root_positions[1][:, [0, 2]], rep.root_positions[0][:, [0, 2]] * [-1, 1], atol=1e-12)
 
 
@@ -242,7 +248,7 @@ def test_people_of_several_sizes_on_one_skeleton(shared_data: Path) -> None:
     names = ("07/07_01", "35/35_01", "91/91_01")
     motions = [kx.read(shared_data / f"cmu/{n}.amc") for n in names]
     rep = repertoire(motions, fps=60.0)
-    check(rep)
+    check(rep, leans=True)
     legs = [f"{side}_{part}" for side in ("left", "right") for part in ("femur", "tibia")]
     for number, motion in enumerate(motions):
         recorded = kx.poses(mended(motion).motion[::2]).quaternions
@@ -259,7 +265,7 @@ def test_a_rig_whose_stand_moves_and_other_rigs(shared_data: Path, tmp_path: Pat
     clips = bandai(shared_data, tmp_path, "dataset-1_walk_normal_001", "dataset-2_raise-up-left-hand_normal")
     walk = kx.read(shared_data / "cmu/07/07_01.amc")
     rep = repertoire([*clips, walk])
-    check(rep)
+    check(rep, leans=False)
     assert any("root joint, joint_Root, is in the pelvis, where Hips is" in said for said in rep.assumptions)
     assert not any("root joint" in said for said in repertoire(walk).assumptions)
     for number, clip in enumerate(clips):
@@ -271,7 +277,7 @@ def test_a_rig_whose_stand_moves_and_other_rigs(shared_data: Path, tmp_path: Pat
         np.testing.assert_allclose(
             rep.root_positions[0, start : rep.starts[number + 1]][:, [0, 2]], pelvis[:, [0, 2]], atol=1e-9
         )
-    check(repertoire([*clips, walk], skeleton=walk.skeleton, fps=60.0))
+    check(repertoire([*clips, walk], skeleton=walk.skeleton, fps=60.0), leans=True)
 
 
 def test_limbs_that_pass_through_each_other_on_another_body_are_told() -> None:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
+from numpy.typing import NDArray
 
 from kinesics.body import anatomy as _anatomy
 from kinesics.body.joint_names import numbered, split_name
@@ -12,6 +15,16 @@ from kinesics.body.skeleton import Skeleton
 from kinesics.body.tree import ancestors
 from kinesics.errors import SkeletonError
 from kinesics.geometry import quaternion
+
+Array = NDArray[np.float64]
+
+_SHORTEST: Final = 1e-3
+"""Metres: of a shorter bone no direction is told."""
+_ONE_LINE: Final = 1e-6
+"""Radians: bones that begin in one joint and are nearer to each other than this go one way."""
+
+_ALONG_BONES: Final = ("femur", "tibia", "humerus", "radius")
+"""What carries over from skeleton to skeleton by the direction of its bone."""
 
 
 def mirror(motion: Motion) -> Motion:
@@ -41,6 +54,64 @@ def mirror(motion: Motion) -> Motion:
         root_positions=motion.root_positions * flip,
         joint_translations=None if shifts is None else shifts[:, order] * flip,
     )
+
+
+def with_bones_of(motion: Motion, image: Motion) -> Motion:
+    """A mirror image brought back onto the skeleton it was taken from, with its bones where the mirror shows them.
+
+    From skeleton to skeleton the trunk's orientations carry over, not the directions of its bones. Where those lean to one side
+    at rest, a recorded body is straight because its joints turn against that; mirrored, the joints turn to the other side while
+    the bones lean as before, and the body is bent by twice what they lean. So every joint is turned on by what lies between the
+    direction of its bone and that in the mirror, the shortest way: the same in every frame, and done twice it is undone.
+
+    Joints from which bones go several ways keep their orientation. So do thigh, shank, upper arm and forearm, which carry over
+    along their bones, and feet, which carry over by their soles, with what hangs on them.
+
+    Parameters
+    ----------
+    motion : what `kinesics.body.retargeting.retarget` makes of ``image``.
+    image : the mirror image, on the mirrored skeleton.
+
+    Returns
+    -------
+    Motion
+        ``motion`` with other rotations; its root is where it was.
+    """
+    skeleton = motion.skeleton
+    # what turns a joint of one body into the other's is the same in every frame
+    there, here = image[:1].global_rotations()[0], motion[:1].global_rotations()[0]
+    seen = quaternion.multiply(quaternion.conjugate(here), there)
+    turns = quaternion.identity((skeleton.joint_count,))
+    for j in _by_orientation(skeleton):
+        own, shown = _bones(skeleton, j), quaternion.rotate(seen[j], _bones(image.skeleton, j))
+        if _one_way(own) and _one_way(shown):
+            turns[j] = quaternion.between(own[0], shown[0])
+    before = turns[[max(parent, 0) for parent in skeleton.parents]]
+    before[0] = quaternion.identity()
+    rotations = quaternion.multiply(quaternion.multiply(quaternion.conjugate(before), motion.rotations), turns)
+    return motion.replace(rotations=quaternion.normalize(rotations))
+
+
+def _by_orientation(skeleton: Skeleton) -> list[int]:
+    """The joints that carry over from skeleton to skeleton neither along their bones nor by their soles."""
+    if skeleton.anatomy is None:
+        return list(range(skeleton.joint_count))
+    roles = skeleton.anatomy.roles
+    along = {getattr(roles, f"{side}_{part}") for side in ("left", "right") for part in _ALONG_BONES}
+    feet = {roles.left_foot, roles.right_foot} - {None}
+    return [j for j in range(skeleton.joint_count) if j not in along and feet.isdisjoint((j, *ancestors(skeleton, j)))]
+
+
+def _bones(skeleton: Skeleton, joint: int) -> Array:
+    """Of the bones that begin in a joint, in its own frame, directions: shape (bones, 3)."""
+    ends = [skeleton.offsets[child] for child in skeleton.children[joint]]
+    ends += [np.asarray(site.offset) for site in skeleton.end_sites if site.parent == joint]
+    sizes = [float(np.linalg.norm(end)) for end in ends]
+    return np.array([e / size for e, size in zip(ends, sizes, strict=True) if size > _SHORTEST]).reshape(-1, 3)
+
+
+def _one_way(directions: Array) -> bool:
+    return len(directions) > 0 and bool(np.linalg.norm(directions - directions[0], axis=1).max() < _ONE_LINE)
 
 
 def partners(skeleton: Skeleton, roles: Roles | None = None) -> tuple[int, ...]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from kinesics.body import leaps
 from kinesics.body.contacts import floor_height, foot_contacts, grounded
 from kinesics.body.mending import mended
-from kinesics.body.mirroring import mirror
+from kinesics.body.mirroring import mirror, with_bones_of
 from kinesics.body.motion import Motion
 from kinesics.body.pose import poses
 from kinesics.body.skeleton import Skeleton
@@ -161,7 +161,8 @@ def _bring(name: str, recording: Motion, body: Skeleton, rate: float) -> _Brough
     doubts = through_each_other(name, motion, out)
     level = floor_height(out)
     out = grounded(out)
-    image = grounded(brought(mirror(out), body)[0])
+    seen = mirror(out)
+    image = grounded(with_bones_of(brought(seen, body)[0], seen))
     # the pelvis of the image is a little higher or lower where left and right legs are of unlike length
     place = out.root_positions * [-1.0, 1.0, 1.0]
     place[:, 1] = image.root_positions[:, 1]

@@ -37,11 +37,14 @@ class Repertoire:
     starts: Indices
     """First frame of each recording and, last, the number of all frames: shape (recordings + 1,)."""
     rotations: Array
-    """As recorded and mirrored, both on `skeleton`, relative to the parent joints: shape (2, frames, joints, 4)."""
+    """As recorded and mirrored, both on `skeleton`, relative to the parent joints: shape (2, frames, joints, 4).
+
+    In the mirror image bones point as the mirror shows them (`kinesics.body.mirroring.with_bones_of`)."""
     root_positions: Array
     """As recorded and mirrored, metres, shape (2, frames, 3): the image has x negated, z the same and y as its feet stand."""
     poses: PoseSequence
-    """The 15 links as recorded (strand 0); ``poses.mirror()`` are those of strand 1."""
+    """The 15 links as recorded (strand 0); ``poses.mirror()`` are those of strand 1, but that links of the trunk are turned on by a
+    constant where bones of the skeleton lean to one side."""
     contacts: NDArray[np.bool_]
     """Whether the left and the right foot stand on the ground: shape (2, frames, 2)."""
     source_frames: Array
