@@ -17,6 +17,7 @@ void bind_live(nb::module_ &m);
 void bind_cuts(nb::module_ &m);
 void bind_weighing(nb::module_ &m);
 void bind_ranges(nb::module_ &m);
+void bind_pivots(nb::module_ &m);
 #ifdef KINESICS_TEXT
 void bind_text(nb::module_ &m);
 #endif
@@ -36,6 +37,7 @@ NB_MODULE(_native, m) {
     bind_quaternions(m);
     bind_footing(m);
     bind_ranges(m);
+    bind_pivots(m);
     bind_live(m);
     bind_cuts(m);
     bind_weighing(m);

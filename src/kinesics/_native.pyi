@@ -184,6 +184,20 @@ def seek_footing(
 ) -> bool:
     """Fill ``out`` with what is added to both feet and the body where the sum of squares is least; False if there is no least."""
 
+def stand_on(
+    step: _Doubles,
+    height: _Doubles,
+    farthest: _Doubles,
+    change: _Doubles,
+    parts: _Doubles,
+    apart: float,
+    far: float,
+    gives: float,
+    rise: float,
+    out: NDArray[np.int32],
+) -> None:
+    """Fill ``out`` (steps,) with which of the points along a sole, of these ``parts``, it stands on in each step."""
+
 def blended(
     rotations: _Doubles,
     offset: _Doubles,

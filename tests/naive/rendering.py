@@ -36,17 +36,3 @@ def laid(network, paths: list[int], start: tuple[float, float], heading: float, 
             moment = onward
         facing += float(repertoire.yaw_of(moment)) - own + extra
     return out
-
-
-def slide(points: np.ndarray, height: np.ndarray, bearing: float) -> float:
-    """The farthest that the bearing part of a sole, followed step by step, is from where it was at any time before."""
-    way = [np.zeros(2)]
-    for t in range(len(points) - 1):
-        weights, moves = [], []
-        for p in range(points.shape[1]):
-            weights.append(0.5 * (height[t, p] + height[t + 1, p]))
-            moves.append(points[t + 1, p, [0, 2]] - points[t, p, [0, 2]])
-        least = min(weights)
-        weights = [math.exp(-(w - least) / bearing) for w in weights]
-        way.append(way[-1] + sum(w * m for w, m in zip(weights, moves, strict=True)) / sum(weights))
-    return max(float(np.linalg.norm(a - b)) for a in way for b in way)

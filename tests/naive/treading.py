@@ -15,7 +15,6 @@ from kinesics.synthesis.embodiment.stage import (
     SOFTLY,
     SPARED,
     SUNK,
-    bearing,
     held_around,
     shortfall,
 )
@@ -97,7 +96,7 @@ class Treading:
             self.hold, self.lift, self.bears = held, near * (played - lowest), np.zeros(2)
         else:
             self.hold = np.clip(held, self.hold - dt / RELEASE, self.hold + dt / 0.03)
-            share = bearing(0.5 * (height + self.height))
+            share = np.array([known.parts for known in coming])
             slid = (share[..., None] * (soles - self.soles)[..., [0, 2]]).sum(axis=1)
         for k, known in enumerate(coming):
             stands = known.bears or (self.stood[k] and known.seconds < 0.13)

@@ -40,7 +40,7 @@ def test_who_stands_goes_on_standing(name: str, shared_data: Path, tmp_path: Pat
     known = kinematics.forward(own.skeleton, planted.rotations[0], planted.root_positions[0])
     soles = stage.soles.place(known.positions, known.rotations)
     for foot in (0, 1):
-        assert slide(soles[2:, foot], soles[2:, foot, :, 1] - stage.levels[foot]) < 0.01
+        assert slide(soles[2:, foot], soles[2:, foot, :, 1] - stage.levels[foot], own.fps) < 0.01
 
 
 def test_loops_of_who_stands_stay_on_the_spot(shared_data: Path, tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ from kinesics.geometry import quaternion
 from kinesics.synthesis.embodiment import checking, planting, quality
 from kinesics.synthesis.embodiment.ranges import envelope
 from kinesics.synthesis.embodiment.rendering import render
-from kinesics.synthesis.embodiment.stage import BEARING, FLESH, LEAST_TURNING, Stage, turn_bodies
+from kinesics.synthesis.embodiment.stage import FLESH, LEAST_TURNING, Stage, turn_bodies
 from kinesics.synthesis.live.renderer import LiveRenderer
 from kinesics.synthesis.paths.network import Network, network
 from kinesics.synthesis.repertoire import repertoire
@@ -145,7 +145,7 @@ def test_feet_stay_where_they_are_put(made: Network, paths: list[int]) -> None:
     slides = []
     for touch in done.contacts:
         sole = places[touch.start : touch.end, touch.foot]
-        slides.append(checking.slide(sole, sole[..., 1] - stage.levels[touch.foot]))
+        slides.append(checking.slide(sole, sole[..., 1] - stage.levels[touch.foot], motion.fps))
     assert max(slides) < 0.015
     assert np.median(slides) < 0.002
     assert done.lowered.max() < 0.06
@@ -292,14 +292,6 @@ def test_envelopes_compiled_and_plain_agree(seed: int, frames: int, reach: int) 
         quick = envelope(values, reach)
         patch.setenv("KINESICS_NO_NATIVE", "1")
         np.testing.assert_allclose(quick, envelope(values, reach), atol=1e-15)
-
-
-def test_slide_is_that_of_the_twin(rng: np.random.Generator) -> None:
-    """The way of the bearing part is what adding it up frame by frame gives."""
-    points = np.cumsum(rng.normal(0.0, 0.01, (25, 3, 3)), axis=0)
-    height = rng.uniform(0.0, 0.03, (25, 3))
-    assert checking.slide(points, height) == pytest.approx(naive.slide(points, height, BEARING))
-    assert checking.slide(points[:1], height[:1]) == 0.0
 
 
 def test_quality_of_the_recording_itself_is_its_own_yardstick(made: Network) -> None:

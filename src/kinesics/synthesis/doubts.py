@@ -12,7 +12,8 @@ from kinesics.errors import some_of
 from kinesics.progress import Progress, silent
 from kinesics.synthesis import rounds, staying, unused
 from kinesics.synthesis.attempts import MOST_BEND, Shorter
-from kinesics.synthesis.embodiment.checking import ROUNDING, SLIDE, SUNK, Slid, steps_of
+from kinesics.synthesis.embodiment.checking import ROUNDING, SLIDE, SUNK, Slid
+from kinesics.synthesis.embodiment.pivots import steps_of
 from kinesics.synthesis.embodiment.stage import FLESH, Stage
 from kinesics.synthesis.goals.states import way_between
 from kinesics.synthesis.paths.prospects import Prospects
@@ -389,7 +390,8 @@ def _by_cuts(piece: Piece, slid: Slid) -> float:
     side = ("left", "right").index(slid.foot)
     known = kinematics.forward(motion.skeleton, motion.rotations[part], motion.root_positions[part])
     points = done.soles.place(known.positions, known.rotations)[:, side]
-    gone = np.linalg.norm(steps_of(points, points[..., 1] - Stage.of(piece.network.repertoire).levels[side]), axis=1)
+    height = points[..., 1] - Stage.of(piece.network.repertoire).levels[side]
+    gone = np.linalg.norm(steps_of(points, height, motion.fps), axis=1)
     between = np.arange(slid.start, slid.end - 1) + 0.5
     near = (np.abs(between[:, None] - done.cuts) <= NEAR_CUT * motion.fps).any(axis=1)
     return float(gone[near].sum() / max(gone.sum(), 1e-9))

@@ -21,9 +21,10 @@ from kinesics.body.pose import PoseSequence
 from kinesics.body.pose import poses as _poses
 from kinesics.geometry import quaternion
 from kinesics.similarity import distance, mirror_distance, paired_distance
+from kinesics.synthesis.embodiment.pivots import way_over
 from kinesics.synthesis.embodiment.ranges import Ranges
 from kinesics.synthesis.embodiment.rendering import Performance
-from kinesics.synthesis.embodiment.stage import BEARING, FLESH, Stage
+from kinesics.synthesis.embodiment.stage import FLESH, Stage
 from kinesics.synthesis.paths.network import Network
 from kinesics.synthesis.repertoire import Repertoire
 
@@ -165,7 +166,7 @@ def check(done: Performance, network: Network) -> Check:
     places = stage.soles.place(known.positions, known.rotations)
     found = _contacts.touching(places, places[..., 1], motion.fps, stage.stature, stage.slow)
     feet = [
-        Slid(side, a, b, slide(places[a:b, k], places[a:b, k, :, 1] - stage.levels[k]))
+        Slid(side, a, b, slide(places[a:b, k], places[a:b, k, :, 1] - stage.levels[k], motion.fps))
         for k, side in enumerate(("left", "right"))
         for a, b in runs(found.feet[:, k])
     ]
@@ -186,33 +187,21 @@ def check(done: Performance, network: Network) -> Check:
     )
 
 
-def slide(points: Array, height: Array) -> float:
-    """How far the bearing part of a sole goes over the floor during one contact, metres.
+def slide(points: Array, height: Array, fps: float) -> float:
+    """How far the point that a sole stands on goes over the floor during one contact, metres: see `pivots.stood_on`.
 
     Parameters
     ----------
     points : of the sole, shape (frames, points, 3).
-    height : above where each usually bears, shape (frames, points): the lower, the more it bears.
+    height : above where each usually bears, shape (frames, points).
     """
-    if len(points) < 2:
-        return 0.0
-    steps = steps_of(points, height)
-    way = np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
-    return farthest(way)
+    return farthest(way_over(points, height, fps)) if len(points) > 1 else 0.0
 
 
 def farthest(places: Array) -> float:
     """Greatest distance between any two of some places, shape (n, 2)."""
     blocks = (places[a : a + _BLOCK, None] - places[None] for a in range(0, len(places), _BLOCK))
     return float(max(np.einsum("abi,abi->ab", apart, apart).max() for apart in blocks) ** 0.5)
-
-
-def steps_of(points: Array, height: Array) -> Array:
-    """How far the bearing part of a sole goes from frame to frame, x and z in metres, shape (frames − 1, 2); see `slide`."""
-    middle = 0.5 * (height[1:] + height[:-1])
-    share = np.exp(-(middle - middle.min(axis=1, keepdims=True)) / BEARING)
-    share /= share.sum(axis=1, keepdims=True)
-    return np.asarray(np.einsum("fp,fpi->fi", share, np.diff(points[..., [0, 2]], axis=0)))
 
 
 def _leaps(done: Performance, ankles: Array, stage: Stage) -> tuple[Leap, ...]:

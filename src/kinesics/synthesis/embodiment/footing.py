@@ -134,7 +134,7 @@ def footing(
 
     Parameters
     ----------
-    slid : what the bearing part of each sole goes over the floor from each frame to the next, x and z: (frames − 1, 2, 2).
+    slid : what the point that each foot stands on goes over the floor from each frame to the next, x and z: (frames − 1, 2, 2).
     grip : 0 to 1, how much of that is to be taken away, shape (frames − 1, 2).
     height : of the lowest point of each sole above the floor, shape (frames, 2).
     press : 0 to 1, how much it is to be on the floor, shape (frames, 2).

@@ -22,6 +22,7 @@ from kinesics.synthesis.embodiment import blending, footing, inverse_kinematics
 from kinesics.synthesis.embodiment.arms import SKIN, STEP, way_apart
 from kinesics.synthesis.embodiment.footing import Bounds, Stiffness
 from kinesics.synthesis.embodiment.pelvis import turned_for_the_hips
+from kinesics.synthesis.embodiment.pivots import steps_of, way_over
 from kinesics.synthesis.embodiment.ranges import YIELD, Ranges, both_ways, envelope, put_within_range, smooth
 from kinesics.synthesis.embodiment.stage import (
     LIFT,
@@ -30,7 +31,6 @@ from kinesics.synthesis.embodiment.stage import (
     SOFTLY,
     SUNK,
     Stage,
-    bearing,
     held_around,
     shortfall,
     turn_bodies,
@@ -234,11 +234,9 @@ def _sliding(stage: Stage, known: Kinematics) -> list[_Slide]:
     places = stage.soles.place(known.positions, known.rotations)
     found = contacts.touching(places, places[..., 1], stage.repertoire.fps, stage.stature, stage.slow)
     height = places[..., 1] - stage.levels
-    share = bearing(0.5 * (height[1:] + height[:-1]))
-    way = np.zeros((len(places), 2, 2))
-    np.cumsum(np.einsum("fkp,fkpi->fki", share, np.diff(places[..., [0, 2]], axis=0)), axis=0, out=way[1:])
     spans = [(k, a, b) for k in (0, 1) for a, b in contacts.runs(found.feet[:, k])]
-    all_of_them = (_Slide(k, a, b, _spread(way[a:b, k]) - LET_PASS) for k, a, b in spans)
+    ways = (way_over(places[a:b, k], height[a:b, k], stage.repertoire.fps) for k, a, b in spans)
+    all_of_them = (_Slide(*span, _spread(way) - LET_PASS) for span, way in zip(spans, ways, strict=True))
     return [slide for slide in all_of_them if slide.more > 0.0]
 
 
@@ -320,8 +318,7 @@ def _planted(
     ankles = known.positions[:, list(legs.feet)]
     lowest = _lowest(soles)
     height = soles[..., 1] - stage.levels
-    share = bearing(0.5 * (height[1:] + height[:-1]))
-    slid = np.einsum("fkp,fkpi->fki", share, np.diff(soles[..., [0, 2]], axis=0))
+    slid = np.stack([steps_of(soles[:, k], height[:, k], fps) for k in (0, 1)], axis=1)
     grip = np.stack([_grip(gripped[:, k], fps) * _firmly(gripped[:, k], fps) for k in (0, 1)], axis=-1)
     press = np.stack([held_around(standing[:, k], LIFT * fps) for k in (0, 1)], axis=-1)
     gripping = np.minimum(grip[1:], grip[:-1])

@@ -61,7 +61,7 @@ class Quality:
     acceleration_added: float
     """Vectors as seen from the heading."""
     slide: Beside
-    """Metres that the bearing part of a foot goes over the floor in one contact: the 95th percentile of contacts."""
+    """Metres that the point a foot stands on (`pivots`) goes over the floor in one contact: the 95th percentile of contacts."""
     slide_worst: Beside
     slides_over: Beside
     """Share of the contacts that slide more than 1 cm."""
@@ -224,7 +224,7 @@ def _feet(motion: Motion, stage: Stage) -> tuple[Array, Array, Mask, float]:
     """How far each contact slides and each heel or ball shifts, when the feet are on the ground, greatest depth below the floor."""
     found = _contacts.contacts(motion, known=stage.soles, ground=Floor(0.0), slow=stage.slow)
     slides = [
-        slide(found.positions[a:b, k], found.positions[a:b, k, :, 1] - stage.levels[k])
+        slide(found.positions[a:b, k], found.positions[a:b, k, :, 1] - stage.levels[k], motion.fps)
         for k in (0, 1)
         for a, b in runs(found.feet[:, k])
     ]

@@ -15,6 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.body import contacts, kinematics
+from kinesics.geometry.single import Vector
+from kinesics.synthesis.embodiment.pivots import stood_on
 from kinesics.synthesis.embodiment.rehearsal import played
 from kinesics.synthesis.embodiment.stage import YARDSTICK, Stage
 from kinesics.synthesis.repertoire import Repertoire
@@ -57,6 +59,8 @@ class Coming(NamedTuple):
     """Until it comes down, infinite if that is not known."""
     height: float
     """Of the lowest point of its sole above the floor in what is played, metres."""
+    parts: Vector
+    """The point of its sole that it stands on: parts of heel, ball and tip, sum 1 (`synthesis.embodiment.pivots`)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +75,8 @@ class Foresight:
     """Whether it bears: as in the recordings, and as anyone would find in them as they are played; shape (2, frames, 2)."""
     quick: float
     """99th percentile of how feet are accelerated over the floor from frame to frame, m/s²."""
+    parts: Array
+    """The point of its sole that each stands on from each frame to the next, shape (2, frames, 2, 3)."""
     fps: float
 
     @classmethod
@@ -84,6 +90,8 @@ class Foresight:
         own = played(stage)
         shape = (2, 2, own.frame_count, 2)
         down, heights, standing = np.full(shape, _NEVER, dtype=np.int32), np.zeros(shape[1:]), own.contacts.copy()
+        parts = np.zeros((*shape[1:], 3))
+        parts[..., 0] = 1.0
         pushes = [np.zeros(1)]
         for first, past in itertools.pairwise(own.starts.tolist()):
             for image in (0, 1):
@@ -91,6 +99,10 @@ class Foresight:
                 way = np.diff((places[..., 2] + 1j * places[..., 0]).mean(axis=-1), n=2, axis=0)
                 pushes.append(np.abs(way).ravel() * own.fps**2)
                 heights[image, first:past] = places[..., 1].min(axis=-1)
+                for k in (0, 1):
+                    points = places[:, k]
+                    parts[image, first : past - 1, k] = stood_on(points, points[..., 1] - stage.levels[k], own.fps)
+                parts[image, past - 1] = parts[image, max(past - 2, first)]
                 # held for less than anyone would find it bear, a foot slides in what is left
                 found = contacts.touching(places, places[..., 1], own.fps, stage.stature, stage.slow)
                 standing[image, first:past] |= found.feet
@@ -101,7 +113,7 @@ class Foresight:
                         down[0, image, before:b, k] = np.maximum(np.arange(a - before, a - b, -1), 0)
                         down[1, image, a:past, k] = np.maximum(np.arange(a - b + 1, past - b + 1), 0)
                         before = b
-        return cls(down, heights, standing, float(np.quantile(np.concatenate(pushes), YARDSTICK)), own.fps)
+        return cls(down, heights, standing, float(np.quantile(np.concatenate(pushes), YARDSTICK)), parts, own.fps)
 
     def coming(self, known: Sequence[Stretch], at: int) -> tuple[Coming, Coming]:
         """What is known of either foot in frame ``at`` of the first stretch, and those behind it."""
@@ -109,17 +121,21 @@ class Foresight:
 
     def _coming(self, k: int, known: Sequence[Stretch], at: int) -> Coming:
         playing = known[0]
-        height = float(self.heights[playing.image, playing.frame + at * playing.onward, k])
+        here = playing.frame + at * playing.onward
+        height = float(self.heights[playing.image, here, k])
+        # on the way to here; of the first frame of a path, on the way from it
+        a, b, c = self.parts[playing.image, here - max(playing.onward, 0) * min(at, 1), k].tolist()
+        parts = a, b, c
         waited = 0
         for number, stretch in enumerate(known):
             frame = stretch.frame + at * stretch.onward
             away = int(self.down[max(-stretch.onward, 0), stretch.image, frame, k])
             if away < stretch.length - at or number + 1 == len(known):
                 waited += away
-                return Coming(waited == 0, waited / self.fps if away < _NEVER else math.inf, height)
+                return Coming(waited == 0, waited / self.fps if away < _NEVER else math.inf, height, parts)
             waited += stretch.length - at
             at = 0
-        return Coming(False, math.inf, height)
+        return Coming(False, math.inf, height, parts)
 
 
 def _soles(stage: Stage, own: Repertoire, image: int, first: int, past: int) -> Array:

@@ -160,7 +160,7 @@ class Treading:
             soles.append([foot.placed(places, world) for foot in self._feet])
         total = 0j
         for foot, before, after, weight in zip(self._feet, *soles, borne, strict=True):
-            total += weight * foot.slid(before, after)
+            total += weight * foot.apart(before, after)
         return total / (sum(borne) + _FLIGHT)
 
 
@@ -223,7 +223,7 @@ class _Foot:
         if not self._sole:
             self.hold, self._lift = held, near * (coming.height - lowest)
         else:
-            slid = self.slid(self._sole, sole)
+            slid = _moved(coming.parts, self._sole, sole)
             if bears:
                 self._stay(slid)
             else:
@@ -236,16 +236,12 @@ class _Foot:
         lift = max(self._lift, -lowest - SUNK)
         self.target = single.add(places[self._ankle], (self.shift.imag, lift, self.shift.real))
 
-    def slid(self, before: list[Vector], after: list[Vector]) -> complex:
-        """How far the bearing part of a sole moved over the floor, z + i·x, metres: see `synthesis.embodiment.stage.bearing`."""
+    def apart(self, before: list[Vector], after: list[Vector]) -> complex:
+        """How far what bears in both of two poses is apart over the floor, z + i·x, metres: `embodiment.stage.bearing`."""
         height = [0.5 * (a[1] + b[1]) - c for a, b, c in zip(before, after, self._levels, strict=True)]
         least = min(height)
         weights = [math.exp((least - h) / BEARING) for h in height]
-        x = z = 0.0
-        for weight, old, new in zip(weights, before, after, strict=True):
-            x += weight * (new[0] - old[0])
-            z += weight * (new[2] - old[2])
-        return complex(z, x) / sum(weights)
+        return _moved(weights, before, after) / sum(weights)
 
     def leap(self, aside: complex) -> None:
         """Stay where it is while what is performed leaps."""
@@ -308,6 +304,15 @@ class _Foot:
         self.rotations = [hip, knee, ankle]
         self.shift -= self._slips * complex(missed[2], missed[0])
         return missed, lowest
+
+
+def _moved(parts: Sequence[float], before: list[Vector], after: list[Vector]) -> complex:
+    """How far parts of a sole moved over the floor, z + i·x, metres."""
+    x = z = 0.0
+    for part, old, new in zip(parts, before, after, strict=True):
+        x += part * (new[0] - old[0])
+        z += part * (new[2] - old[2])
+    return complex(z, x)
 
 
 def _hanging(parents: Sequence[int], joints: Iterable[int]) -> list[int]:

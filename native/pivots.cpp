@@ -1,0 +1,75 @@
+// The point of a sole that a foot stands on. The NumPy twin is in kinesics/synthesis/embodiment/pivots.py.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <vector>
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace {
+
+using Steps = nb::ndarray<const double, nb::shape<-1, 3, 3>, nb::c_contig, nb::device::cpu>;
+using Rows = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+using Values = nb::ndarray<const double, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
+using Chosen = nb::ndarray<std::int32_t, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
+
+// What each point costs in one step: its way over the floor, and that of the farthest where it is too high to bear.
+void costs(const double *step, const double *height, double farthest, const double *parts, std::size_t count, double gives,
+           double rise, double *out) {
+    const double lowest = std::min({height[0], height[1], height[2]}) + gives;
+    for (std::size_t k = 0; k < count; ++k) {
+        const double a = parts[3 * k], b = parts[3 * k + 1], c = parts[3 * k + 2];
+        const double x = a * step[0] + b * step[3] + c * step[6], z = a * step[2] + b * step[5] + c * step[8];
+        const double above = a * height[0] + b * height[1] + c * height[2] - lowest;
+        out[k] = std::sqrt(x * x + z * z) + farthest * std::max(above, 0.0) / rise;
+    }
+}
+
+// From where each point is come to at least cost, which takes the place of the total: a change costs `slope` for each point
+// farther along, at most `most`. One that does just as well stays.
+void changed(double slope, double most, std::size_t count, double *total, std::int32_t *came) {
+    const std::size_t first = static_cast<std::size_t>(std::min_element(total, total + count) - total);
+    const double least = total[first] + most;
+    for (std::size_t k = 0; k < count; ++k) came[k] = static_cast<std::int32_t>(k);
+    for (std::size_t k = 1; k < count; ++k)
+        if (total[k - 1] + slope < total[k]) total[k] = total[k - 1] + slope, came[k] = came[k - 1];
+    for (std::size_t k = count - 1; k-- > 0;)
+        if (total[k + 1] + slope < total[k]) total[k] = total[k + 1] + slope, came[k] = came[k + 1];
+    for (std::size_t k = 0; k < count; ++k)
+        if (least < total[k]) total[k] = least, came[k] = static_cast<std::int32_t>(first);
+}
+
+void stand_on(Steps step, Rows height, Values farthest, Values change, Rows parts, double apart, double far, double gives,
+              double rise, Chosen out) {
+    const std::size_t steps = step.shape(0), count = parts.shape(0);
+    if (height.shape(0) != steps || farthest.shape(0) != steps || change.shape(0) != steps || out.shape(0) != steps ||
+        steps == 0 || count == 0)
+        throw std::invalid_argument("stand_on: shapes do not fit");
+    nb::gil_scoped_release released;
+    std::vector<double> total(count), cost(count);
+    std::vector<std::int32_t> came(steps * count);
+    for (std::size_t t = 0; t < steps; ++t) {
+        if (t > 0) changed(change.data()[t] * apart, change.data()[t] * far, count, total.data(), came.data() + t * count);
+        costs(step.data() + 9 * t, height.data() + 3 * t, farthest.data()[t], parts.data(), count, gives, rise, cost.data());
+        for (std::size_t k = 0; k < count; ++k) total[k] += cost[k];
+    }
+    auto at = static_cast<std::int32_t>(std::min_element(total.begin(), total.end()) - total.begin());
+    for (std::size_t t = steps; t-- > 0;) {
+        out.data()[t] = at;
+        at = came[t * count + static_cast<std::size_t>(at)];
+    }
+}
+
+}  // namespace
+
+void bind_pivots(nb::module_ &m) {
+    m.def("stand_on", &stand_on, "step"_a.noconvert(), "height"_a.noconvert(), "farthest"_a.noconvert(), "change"_a.noconvert(),
+          "parts"_a.noconvert(), "apart"_a, "far"_a, "gives"_a, "rise"_a, "out"_a.noconvert());
+}
