@@ -111,7 +111,8 @@ def test_a_state_that_nothing_leads_back_to_is_begun_in(shared_data: Path) -> No
     assert (material.network.repertoire.frame_of(material.network.first) > 60).all()
     for wish in ({"seconds": 6.0}, {"seconds": 6.0, "favour": "B"}, {"target": (0.0, 1.0)}):
         piece = kx.performance(material, from_state="A", **wish)
-        first = piece.network.path_at(int(piece.provenance.moment[0]))
+        first = piece.course.paths[0]
+        assert piece.network.first[first] == piece.provenance.moment[0]
         assert piece.network.state_from[first] == "A"
         assert piece.network.endless
         assert len(piece.network) > len(material.network)

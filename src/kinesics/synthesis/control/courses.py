@@ -57,16 +57,6 @@ class Course:
         """Metres walked by the root."""
         return float(np.hypot(*np.diff(self.ground, axis=0).T).sum()) if len(self.ground) > 1 else 0.0
 
-    @property
-    def repeats(self) -> int:
-        """How many plays are of a path that was played before."""
-        return len(self.paths) - len(np.unique(self.paths))
-
-    @property
-    def most_plays(self) -> int:
-        """How often the path played most was played."""
-        return int(np.bincount(self.paths).max()) if len(self.paths) else 0
-
 
 def perform_paths(
     network: Network,

@@ -29,8 +29,7 @@ Mask = NDArray[np.bool_]
 SAME: Final = 0
 MIRROR: Final = 1
 REVERSE: Final = 2
-MIRROR_REVERSE: Final = 3
-"""Relations between seams; applied to a strand: strand ^ relation."""
+"""Relations between seams, which add up (a mirror image backwards is 3); applied to a strand: strand ^ relation."""
 
 POSE: Final = "pose"
 STEP: Final = 1.0

@@ -18,7 +18,7 @@ from kinesics.progress import Progress
 from kinesics.similarity import diagonal_sums
 from kinesics.synthesis.joining.choice import best, best_of_steps
 from kinesics.synthesis.joining.limits import WINDOW
-from kinesics.synthesis.joining.seams import BAND, REVERSE, SAME, SEARCH_RATE, Pairs, Seams
+from kinesics.synthesis.joining.seams import BAND, MIRROR, REVERSE, SAME, SEARCH_RATE, Pairs, Seams
 
 Array = NDArray[np.float64]
 Floats = NDArray[np.float32]
@@ -87,7 +87,7 @@ def search(seams: Seams, progress: Progress) -> Found:
             for mirrored, d in ((False, sums.d), (True, sums.d_mirror)):
                 if mirrored and not seams.repertoire.mirrored:
                     continue
-                relation = (REVERSE if reverse else SAME) + mirrored
+                relation = (REVERSE if reverse else SAME) + (MIRROR if mirrored else SAME)
                 d[~ok[rows]] = np.inf
                 d[:, ~ok[columns]] = np.inf
                 if j - i - tile < band:

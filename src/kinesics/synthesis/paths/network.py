@@ -182,14 +182,6 @@ class Network:
         """Whether something may follow every path."""
         return bool((np.diff(self.indptr) > 0).all())
 
-    def path_at(self, moment: int) -> int:
-        """The path that plays a moment, −1 if none does."""
-        frame, strand = int(self.repertoire.frame_of(moment)), int(self.repertoire.strand_of(moment))
-        chosen = np.flatnonzero(self.strand == strand)
-        ends = self.repertoire.frame_of(np.stack([self.first[chosen], self.last[chosen]]))
-        inside = chosen[(ends.min(axis=0) <= frame) & (frame <= ends.max(axis=0))]
-        return int(inside[0]) if len(inside) else -1
-
 
 def network(
     repertoire: Repertoire,
