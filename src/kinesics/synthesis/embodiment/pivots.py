@@ -128,4 +128,4 @@ def _turning(points: Array, height: Array, fps: float) -> Array:
     turn *= np.clip((NEAR[1] - lowest) / (NEAR[1] - NEAR[0]), 0.0, 1.0)
     so_far = np.concatenate([[0.0], np.cumsum(turn)])
     reach, at = max(1, round(MEANWHILE * fps)), np.arange(len(turn))
-    return so_far[np.minimum(at + reach, len(turn))] - so_far[np.maximum(at - reach, 0)]
+    return np.asarray(so_far[np.minimum(at + reach, len(turn))] - so_far[np.maximum(at - reach, 0)])
