@@ -23,9 +23,6 @@ _SHORTEST: Final = 1e-3
 _ONE_LINE: Final = 1e-6
 """Radians: bones that begin in one joint and are nearer to each other than this go one way."""
 
-_ALONG_BONES: Final = ("femur", "tibia", "humerus", "radius")
-"""What carries over from skeleton to skeleton by the direction of its bone."""
-
 
 def mirror(motion: Motion) -> Motion:
     """The mirror image of a motion, on the mirrored skeleton: left limb lengths become right.
@@ -57,15 +54,16 @@ def mirror(motion: Motion) -> Motion:
 
 
 def with_bones_of(motion: Motion, image: Motion) -> Motion:
-    """A mirror image brought back onto the skeleton it was taken from, with its bones where the mirror shows them.
+    """A mirror image brought back onto the skeleton it was taken from, its spine, neck and head where the mirror shows them.
 
     From skeleton to skeleton the trunk's orientations carry over, not the directions of its bones. Where those lean to one side
     at rest, a recorded body is straight because its joints turn against that; mirrored, the joints turn to the other side while
-    the bones lean as before, and the body is bent by twice what they lean. So every joint is turned on by what lies between the
-    direction of its bone and that in the mirror, the shortest way: the same in every frame, and done twice it is undone.
+    the bones lean as before, and the body is bent by twice what they lean. So every joint of the midline is turned on by what
+    lies between the direction of its bone and that in the mirror, the shortest way: the same in every frame, and done twice it
+    is undone. Where bones go several ways from a joint it keeps its orientation.
 
-    Joints from which bones go several ways keep their orientation. So do thigh, shank, upper arm and forearm, which carry over
-    along their bones, and feet, which carry over by their soles, with what hangs on them.
+    Limbs keep theirs, too, and their own shape: a collar bone, a hand or a foot that is not the other's mirror image is left as it
+    is. What lies between trunk and limb, or cannot turn, goes along with what it hangs on.
 
     Parameters
     ----------
@@ -81,25 +79,40 @@ def with_bones_of(motion: Motion, image: Motion) -> Motion:
     # what turns a joint of one body into the other's is the same in every frame
     there, here = image[:1].global_rotations()[0], motion[:1].global_rotations()[0]
     seen = quaternion.multiply(quaternion.conjugate(here), there)
-    turns = quaternion.identity((skeleton.joint_count,))
-    for j in _by_orientation(skeleton):
+    limbs = _along_bones(skeleton)
+    midline = [
+        j == k for j, k in enumerate(partners(skeleton, None if skeleton.anatomy is None else skeleton.anatomy.roles))
+    ]
+    # by how much each joint is turned on, seen from itself
+    turns = np.broadcast_to(quaternion.identity(), motion.rotations.shape).copy()
+    rotations = motion.rotations.copy()
+    for j, parent in enumerate(skeleton.parents):
+        before = turns[:, parent] if parent >= 0 else quaternion.identity()
         own, shown = _bones(skeleton, j), quaternion.rotate(seen[j], _bones(image.skeleton, j))
-        if _one_way(own) and _one_way(shown):
-            turns[j] = quaternion.between(own[0], shown[0])
-    before = turns[[max(parent, 0) for parent in skeleton.parents]]
-    before[0] = quaternion.identity()
-    rotations = quaternion.multiply(quaternion.multiply(quaternion.conjugate(before), motion.rotations), turns)
+        if midline[j] and skeleton.freedoms[j].channels:
+            if _one_way(own) and _one_way(shown):
+                turns[:, j] = quaternion.between(own[0], shown[0])
+        elif j not in limbs:
+            turns[:, j] = quaternion.multiply(
+                quaternion.conjugate(rotations[:, j]), quaternion.multiply(before, rotations[:, j])
+            )
+            continue
+        rotations[:, j] = quaternion.multiply(
+            quaternion.conjugate(before), quaternion.multiply(rotations[:, j], turns[:, j])
+        )
     return motion.replace(rotations=quaternion.normalize(rotations))
 
 
-def _by_orientation(skeleton: Skeleton) -> list[int]:
-    """The joints that carry over from skeleton to skeleton neither along their bones nor by their soles."""
+def _along_bones(skeleton: Skeleton) -> set[int | None]:
+    """The joints that carry over from skeleton to skeleton by the direction of their bones."""
     if skeleton.anatomy is None:
-        return list(range(skeleton.joint_count))
+        return set()
     roles = skeleton.anatomy.roles
-    along = {getattr(roles, f"{side}_{part}") for side in ("left", "right") for part in _ALONG_BONES}
-    feet = {roles.left_foot, roles.right_foot} - {None}
-    return [j for j in range(skeleton.joint_count) if j not in along and feet.isdisjoint((j, *ancestors(skeleton, j)))]
+    return {
+        getattr(roles, f"{side}_{part}")
+        for side in ("left", "right")
+        for part in ("femur", "tibia", "humerus", "radius")
+    }
 
 
 def _bones(skeleton: Skeleton, joint: int) -> Array:
