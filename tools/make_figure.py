@@ -1,7 +1,7 @@
 """Make the template of the human figure: src/kinesics/body/figure.npz.
 
 The shape (`figure_shape`) is polygonised as one closed surface, and every vertex gets its shares of the bones and of the
-helpers at the joints, which `kinesics.body.figure` describes.
+helpers at the joints, which `kinesics.body.figure_skin` describes.
 
 Run by hand, only when the figure is to change; it needs what the package does not:
 
