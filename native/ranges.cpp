@@ -5,6 +5,7 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <new>
 #include <stdexcept>
@@ -21,6 +22,8 @@ using Rotations = nb::ndarray<double, nb::shape<-1, 4>, nb::c_contig, nb::device
 using Places = nb::ndarray<double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 using Quaternions = nb::ndarray<const double, nb::shape<-1, 4>, nb::c_contig, nb::device::cpu>;
 using Vectors = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+using Stretch = nb::ndarray<const double, nb::shape<-1, -1, 3>, nb::c_contig, nb::device::cpu>;
+using Weights = nb::ndarray<const double, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
 using Angles = nb::ndarray<const double, nb::shape<-1, 8>, nb::c_contig, nb::device::cpu>;
 
 // bends: directions of the bone before and of the joint's own, least and greatest angle between them; bent: their joints.
@@ -58,22 +61,73 @@ void within(const Ranges &ranges, std::size_t joint, Places vectors) {
 void hold(const Ranges &ranges, Rotations rotations, std::size_t first) {
     if (rotations.shape(0) != ranges.of.size()) throw std::invalid_argument("kinesics._native.Ranges: shapes do not fit");
     for (std::size_t j = first; j < ranges.of.size(); ++j) {
-        double *own = rotations.data() + 4 * j;
-        double from[4], vector[3];
-        kinesics::undo(ranges.of[j].middle.data(), own, from);
-        kinesics::logarithm(from, vector);
-        if (!ranges.of[j].hold(vector)) continue;
-        kinesics::exponential(vector, from);
-        kinesics::multiply(ranges.of[j].middle.data(), from, own);
+        double vector[3];
+        if (ranges.of[j].seen(rotations.data() + 4 * j, vector).hold(vector)) ranges.of[j].put(vector, rotations.data() + 4 * j);
+    }
+}
+
+// The same, each joint turned back first: by a rotation vector in the frame of its mean.
+void hold_back(const Ranges &ranges, Rotations rotations, std::size_t first, Vectors back) {
+    if (rotations.shape(0) != ranges.of.size() || back.shape(0) != ranges.of.size())
+        throw std::invalid_argument("kinesics._native.Ranges: shapes do not fit");
+    for (std::size_t j = first; j < ranges.of.size(); ++j) {
+        double vector[3];
+        const double *by = back.data() + 3 * j;
+        const Range &range = ranges.of[j].seen(rotations.data() + 4 * j, vector);
+        for (int n = 0; n < 3; ++n) vector[n] -= by[n];
+        if (range.hold(vector) || by[0] != 0.0 || by[1] != 0.0 || by[2] != 0.0) range.put(vector, rotations.data() + 4 * j);
+    }
+}
+
+// Rotation vectors by which joints from `first` on are beyond; returns whether any is.
+bool excess(const Ranges &ranges, Quaternions rotations, std::size_t first, Places out) {
+    if (rotations.shape(0) != ranges.of.size() || out.shape(0) != ranges.of.size())
+        throw std::invalid_argument("kinesics._native.Ranges: shapes do not fit");
+    std::fill_n(out.data(), 3 * ranges.of.size(), 0.0);
+    bool any = false;
+    for (std::size_t j = first; j < ranges.of.size(); ++j) {
+        double vector[3], held[3];
+        const Range &range = ranges.of[j].seen(rotations.data() + 4 * j, vector);
+        std::copy_n(vector, 3, held);
+        if (!range.hold(held)) continue;
+        any = true;
+        for (int n = 0; n < 3; ++n) out.data()[3 * j + n] = vector[n] - held[n];
+    }
+    return any;
+}
+
+// The middle of the smooth curve that is nowhere less than what joints are beyond in 2n − 1 frames, to either side, under a window
+// of n: kinesics.synthesis.embodiment.ranges.both_ways.
+void eased(Stretch beyond, Weights window, Places out) {
+    const std::size_t size = window.shape(0), joints = beyond.shape(1), columns = 3 * joints;
+    if (size == 0 || beyond.shape(0) != 2 * size - 1 || out.shape(0) != joints)
+        throw std::invalid_argument("kinesics._native.eased: shapes do not fit");
+    for (std::size_t c = 0; c < columns; ++c) {
+        const double *values = beyond.data() + c;
+        double sum = 0.0;
+        bool any = false;
+        for (std::size_t k = 0; k < 2 * size - 1; ++k) any = any || values[k * columns] != 0.0;
+        for (std::size_t k = 0; any && k < size; ++k) {
+            double over = 0.0, under = 0.0;
+            for (std::size_t n = k; n < k + size; ++n) {
+                over = std::max(over, values[n * columns]);
+                under = std::min(under, values[n * columns]);
+            }
+            sum += window.data()[k] * (over + under);
+        }
+        out.data()[c] = sum;
     }
 }
 
 }  // namespace
 
 void bind_ranges(nb::module_ &m) {
+    m.def("eased", &eased, "beyond"_a.noconvert(), "window"_a.noconvert(), "out"_a.noconvert());
     nb::class_<Ranges>(m, "Ranges")
         .def("__init__", &make, "middle"_a.noconvert(), "low"_a.noconvert(), "high"_a.noconvert(), "inner"_a.noconvert(),
              "bent"_a, "bends"_a.noconvert())
         .def("within", &within, "joint"_a, "vectors"_a.noconvert())
-        .def("hold", &hold, "rotations"_a.noconvert(), "first"_a);
+        .def("hold", &hold, "rotations"_a.noconvert(), "first"_a)
+        .def("hold_back", &hold_back, "rotations"_a.noconvert(), "first"_a, "back"_a.noconvert())
+        .def("excess", &excess, "rotations"_a.noconvert(), "first"_a, "out"_a.noconvert());
 }

@@ -24,6 +24,21 @@ struct Range {
     std::array<double, 3> low, high, inner;
     std::vector<Bend> bends;
 
+    // Where a rotation is, as a vector from the mean.
+    const Range &seen(const double *own, double *v) const {
+        double from[4];
+        undo(middle.data(), own, from);
+        logarithm(from, v);
+        return *this;
+    }
+
+    // The rotation that is there.
+    void put(const double *v, double *own) const {
+        double from[4];
+        exponential(v, from);
+        multiply(middle.data(), from, own);
+    }
+
     // Rotation vector from the mean, moved to within the range; returns whether it was beyond.
     bool hold(double *v) const {
         double off = 0.0;

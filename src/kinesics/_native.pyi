@@ -227,6 +227,15 @@ class Ranges:
     def hold(self, rotations: _Doubles, first: int) -> None:
         """Hold ``rotations`` (joints, 4) from joint ``first`` on in their ranges, in place."""
 
+    def hold_back(self, rotations: _Doubles, first: int, back: _Doubles) -> None:
+        """The same, each turned back first by a rotation vector of ``back`` (joints, 3) in the frame of its mean."""
+
+    def excess(self, rotations: _Doubles, first: int, out: _Doubles) -> bool:
+        """Rotation vectors by which joints are beyond, to ``out`` (joints, 3), 0 within; whether any is."""
+
+def eased(beyond: _Doubles, window: _Doubles, out: _Doubles) -> None:
+    """The middle of the smooth curve that is nowhere less than ``beyond`` (2n − 1, joints, 3), under a window (n,), to ``out``."""
+
 def seam(
     left: _Doubles,
     entered: _Doubles,

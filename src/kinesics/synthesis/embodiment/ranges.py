@@ -173,16 +173,38 @@ class Ranges:
             out[here] = vectors[here] - self.within(int(joints[at]), vectors[here])
         return out
 
-    def hold(self, rotations: Array) -> None:
-        """Keep the joints of one moment within their ranges, rotations of shape (joints, 4), in place."""
+    def hold(self, rotations: Array, back: Array | None = None) -> None:
+        """Keep the joints of one moment within their ranges, rotations of shape (joints, 4), in place.
+
+        Parameters
+        ----------
+        back : by which each is turned back first, as a rotation vector in the frame of its mean, radians, shape (joints, 3).
+        """
         if compiled.wanted():
-            self.native.hold(rotations, self.first)
+            if back is None:
+                self.native.hold(rotations, self.first)
+            else:
+                self.native.hold_back(rotations, self.first, back)
             return
         vectors = blending.rotation_offset(self.middle, rotations)
         for joint in range(self.first, len(rotations)):
-            held = self.within(joint, vectors[joint : joint + 1])[0]
-            if np.abs(held - vectors[joint]).sum() >= ROUNDING:
+            asked = vectors[joint] if back is None else vectors[joint] - back[joint]
+            held = self.within(joint, asked[None])[0]
+            if np.abs(held - asked).sum() >= ROUNDING or (back is not None and back[joint].any()):
                 rotations[joint] = blending.add_rotation(self.middle[joint], held)
+
+    def excess(self, rotations: Array) -> Array | None:
+        """What `hold` would turn each joint of one moment back by, shape (joints, 4) to (joints, 3); None if nothing."""
+        if compiled.wanted():
+            out = np.empty((len(rotations), 3))
+            return out if self.native.excess(rotations, self.first, out) else None
+        vectors = blending.rotation_offset(self.middle, rotations)
+        out = np.zeros_like(vectors)
+        for joint in range(self.first, len(rotations)):
+            over = vectors[joint] - self.within(joint, vectors[joint : joint + 1])[0]
+            if np.abs(over).sum() >= ROUNDING:
+                out[joint] = over
+        return out if out.any() else None
 
     def beyond(self, rotations: Array) -> Array:
         """Radians by which each joint is beyond its range, shape (frames, joints, 4) to (frames, joints)."""
@@ -286,7 +308,7 @@ def envelope(values: Array, reach: int) -> Array:
         return np.zeros_like(values)
     if compiled.wanted():
         out = np.empty(len(values))
-        compiled.native.envelope(np.ascontiguousarray(values, dtype=np.float64), _hann(reach), out)
+        compiled.native.envelope(np.ascontiguousarray(values, dtype=np.float64), hann(reach), out)
         return out
     from scipy.ndimage import maximum_filter1d
 
@@ -303,11 +325,11 @@ def both_ways(values: Array, reach: int) -> Array:
 
 def smooth(values: Array, reach: int) -> Array:
     """Averaged under a Hann window of ``reach`` frames to either side."""
-    return np.convolve(np.pad(values, reach, mode="edge"), _hann(reach), "valid")
+    return np.convolve(np.pad(values, reach, mode="edge"), hann(reach), "valid")
 
 
 @functools.cache
-def _hann(reach: int) -> Array:
+def hann(reach: int) -> Array:
     """A Hann window of ``reach`` frames to either side, sum 1."""
     window = np.hanning(2 * reach + 3)[1:-1]
     return np.asarray(window / window.sum())

@@ -28,6 +28,7 @@ from kinesics.synthesis.live.cuts import Cuts
 from kinesics.synthesis.live.foresight import Foresight, Stretch
 from kinesics.synthesis.live.poses import Poses
 from kinesics.synthesis.live.treading import Treading
+from kinesics.synthesis.live.yielding import Yielding
 from kinesics.synthesis.paths.network import Network
 from kinesics.synthesis.repertoire import BACKWARD_STRANDS
 
@@ -131,7 +132,10 @@ class LiveRenderer:
         self._treading = Treading(self.stage)
         self._poses = Poses(self.stage, own, network)
         self._cuts = Cuts(network, self.stage, self._poses, self._treading)
-        self._ranges = Ranges.of(self.stage)
+        self._yielding = Yielding(
+            Ranges.of(self.stage), network.repertoire.skeleton.joint_count, network.repertoire.fps
+        )
+        self._anew = False
         self._foresight = Foresight.of(self.stage)
         network.edge(0, 0)  # a table that is made when first asked for
         self.path = -1
@@ -193,7 +197,9 @@ class LiveRenderer:
             for blend in self._blends:
                 added = blend.add(rotations, (self._frame - blend.cut) / self.network.repertoire.fps)
                 root = single.add(root, added)
-            self._ranges.hold(rotations)
+        if self._blends or not self._yielding.at_rest:
+            self._yielding.step(rotations, self._coming, anew=self._anew)
+            self._anew = False
         if self.pinned:
             for blend in self._blends:
                 if blend.cut == self._frame:
@@ -205,6 +211,22 @@ class LiveRenderer:
             self._known.popleft()
             self._at = 0
         return LiveFrame(rotations, np.array(root), self.moment, self.path)
+
+    def _coming(self, later: int) -> Array | None:
+        """The rotations so many frames later, as far as transitions add to them and they are known."""
+        frame = self._frame + later
+        adding = [blend for blend in self._blends if blend.ends > frame]
+        if not adding or frame >= self._reaches:
+            return None
+        at = self._at + later
+        for stretch in self._known:
+            if at < stretch.length:
+                break
+            at -= stretch.length
+        rotations: Array = self._poses.own.rotations[stretch.image, stretch.frame + at * stretch.onward].copy()
+        for blend in adding:
+            blend.add(rotations, (frame - blend.cut) / self.network.repertoire.fps)
+        return rotations
 
     def _look(self) -> None:
         """Ask for what comes, and get ready for it: one after the other, if there is time."""
@@ -269,6 +291,8 @@ class LiveRenderer:
         places = self._laid + self._poses.way(image, frame, onward, length, self._turn, bent)
         self._known.append(Stretch(path, first, image, frame, onward, length, self._turn, bent, places[:-1].tolist()))
         self._last = path
+        # more than the frames that follow those known is known anew, if those are few or what is laid comes by a transition
+        self._anew |= self._reaches - self._frame <= self._yielding.ahead
         self._reaches += length
         self._laid, self._tell = complex(places[-1]), True
         self._turn += bend
@@ -290,6 +314,7 @@ class LiveRenderer:
             # what remains of the transition before ends here
             self._blends[-1] = earlier._replace(ends=self._reaches)
         self._blends.append(blend)
+        self._anew = True
         self._turn = crossing.turn
         self._laid += crossing.aside
         self.heading += crossing.met
