@@ -217,6 +217,13 @@ def test_a_damaged_amc_is_one_error_with_its_line(tmp_path, monkeypatch, damage,
     assert line is None or caught.value.line == line
 
 
+def test_other_text_is_no_bvh_that_was_cut_off(tmp_path) -> None:
+    """What does not begin as one is called by what it begins with."""
+    (tmp_path / "notes.bvh").write_text("hello\n")
+    with pytest.raises(FileError, match=r"begin with HIERARCHY, got 'hello'\.$"):
+        kx.read(tmp_path / "notes.bvh")
+
+
 def test_a_bvh_cut_off_anywhere_is_said_to_be(tmp_path) -> None:
     """Whichever byte is the last one: only within the very last number nothing can be told."""
     whole = small_bvh().rstrip()

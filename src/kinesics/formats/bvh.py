@@ -131,8 +131,11 @@ class _HeaderReader:
     def read(self) -> _Hierarchy:
         """The whole tree; of several roots the first."""
         tree = _Hierarchy()
-        if self._word().upper() != "HIERARCHY":
-            self._fail("Expected a BVH to begin with HIERARCHY.")
+        begin = self._word()
+        if begin.upper() != "HIERARCHY":
+            # other text is no half of a BVH
+            self.ends_file &= "HIERARCHY".startswith(begin.upper())
+            self._fail(f"Expected a BVH to begin with HIERARCHY, got '{text.short(begin)}'.")
         roots: list[int] = []
         column = 0
         while (word := self._word(end=True)) != "":
