@@ -20,15 +20,16 @@ using Rows = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::devic
 using Values = nb::ndarray<const double, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
 using Chosen = nb::ndarray<std::int32_t, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
 
-// What each point costs in one step: its way over the floor, and that of the farthest where it is too high to bear.
-void costs(const double *step, const double *height, double farthest, const double *parts, std::size_t count, double gives,
-           double rise, double *out) {
+// What each point costs in one step: its way over the floor, that of the farthest where it is too high to bear, and what a turn
+// beside heel and ball does.
+void costs(const double *step, const double *height, double farthest, double turn, const double *parts, const double *beside,
+           std::size_t count, double gives, double rise, double *out) {
     const double lowest = std::min({height[0], height[1], height[2]}) + gives;
     for (std::size_t k = 0; k < count; ++k) {
         const double a = parts[3 * k], b = parts[3 * k + 1], c = parts[3 * k + 2];
         const double x = a * step[0] + b * step[3] + c * step[6], z = a * step[2] + b * step[5] + c * step[8];
         const double above = a * height[0] + b * height[1] + c * height[2] - lowest;
-        out[k] = std::sqrt(x * x + z * z) + farthest * std::max(above, 0.0) / rise;
+        out[k] = std::sqrt(x * x + z * z) + farthest * std::max(above, 0.0) / rise + turn * beside[k];
     }
 }
 
@@ -46,18 +47,19 @@ void changed(double slope, double most, std::size_t count, double *total, std::i
         if (least < total[k]) total[k] = least, came[k] = static_cast<std::int32_t>(first);
 }
 
-void stand_on(Steps step, Rows height, Values farthest, Values change, Rows parts, double apart, double far, double gives,
-              double rise, Chosen out) {
+void stand_on(Steps step, Rows height, Values farthest, Values change, Values turn, Rows parts, Values beside, double apart,
+              double far, double gives, double rise, Chosen out) {
     const std::size_t steps = step.shape(0), count = parts.shape(0);
-    if (height.shape(0) != steps || farthest.shape(0) != steps || change.shape(0) != steps || out.shape(0) != steps ||
-        steps == 0 || count == 0)
+    if (height.shape(0) != steps || farthest.shape(0) != steps || change.shape(0) != steps || turn.shape(0) != steps ||
+        beside.shape(0) != count || out.shape(0) != steps || steps == 0 || count == 0)
         throw std::invalid_argument("stand_on: shapes do not fit");
     nb::gil_scoped_release released;
     std::vector<double> total(count), cost(count);
     std::vector<std::int32_t> came(steps * count);
     for (std::size_t t = 0; t < steps; ++t) {
         if (t > 0) changed(change.data()[t] * apart, change.data()[t] * far, count, total.data(), came.data() + t * count);
-        costs(step.data() + 9 * t, height.data() + 3 * t, farthest.data()[t], parts.data(), count, gives, rise, cost.data());
+        costs(step.data() + 9 * t, height.data() + 3 * t, farthest.data()[t], turn.data()[t], parts.data(), beside.data(), count,
+              gives, rise, cost.data());
         for (std::size_t k = 0; k < count; ++k) total[k] += cost[k];
     }
     auto at = static_cast<std::int32_t>(std::min_element(total.begin(), total.end()) - total.begin());
@@ -71,5 +73,5 @@ void stand_on(Steps step, Rows height, Values farthest, Values change, Rows part
 
 void bind_pivots(nb::module_ &m) {
     m.def("stand_on", &stand_on, "step"_a.noconvert(), "height"_a.noconvert(), "farthest"_a.noconvert(), "change"_a.noconvert(),
-          "parts"_a.noconvert(), "apart"_a, "far"_a, "gives"_a, "rise"_a, "out"_a.noconvert());
+          "turn"_a.noconvert(), "parts"_a.noconvert(), "beside"_a.noconvert(), "apart"_a, "far"_a, "gives"_a, "rise"_a, "out"_a.noconvert());
 }

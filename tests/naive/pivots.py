@@ -51,6 +51,8 @@ def cost(
         farthest = max(float(np.linalg.norm(m)) for m in moved)
         total += float(np.linalg.norm((parts[k] @ moved)[[0, 2]]))
         total += farthest * max(above - pivots.GIVES, 0.0) / pivots.RISE
+        beside = min(apart * k, apart * abs(k - max(range(len(parts)), key=lambda n: parts[n][1])), pivots.PAD)
+        total += pivots.DRAWN * turns[t] * beside
         if t > 0:
             around = sum(turns[max(t - reach, 0) : t + reach])
             total += pivots.CHANGE * around * min(apart * abs(k - chosen[t - 1]), pivots.FARTHEST)

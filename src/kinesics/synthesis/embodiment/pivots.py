@@ -7,7 +7,8 @@ takes over.
 
 So the point is sought whose way over the floor is least, all in all, with what it costs to change it, which is the more the
 quicker the foot turns then and nothing where it rolls or stands: exactly, by dynamic programming (Viterbi 1967), among points
-half a centimetre apart along the sole. What is higher than the lowest by more than a sole gives way does not bear.
+half a centimetre apart along the sole. What is higher than the lowest by more than a sole gives way does not bear; and heel and
+ball, which bear most of the weight, are rather turned on than what lies beside them.
 """
 
 from __future__ import annotations
@@ -33,6 +34,10 @@ GIVES: Final = 0.008
 """Metres that a point may be above the lowest and yet bear."""
 RISE: Final = 0.02
 """Metres above that at which a point counts as going as far as the farthest of the sole."""
+PAD: Final = 0.03
+"""Metres around heel and ball from which a turn is drawn to them: so far do they bear."""
+DRAWN: Final = 0.5
+"""Metres that it costs for each radian turned and metre beside them."""
 NEAR: Final = (0.01, 0.04)
 """Metres above where it bears at which a sole's turning begins to count for less, and no longer counts."""
 
@@ -47,8 +52,11 @@ def stood_on(points: Array, height: Array, fps: float) -> Array:
     """
     if len(points) < 2:
         return np.empty((0, 3))
-    change = CHANGE * _turning(points, height, fps)
+    turn = _turning(points, height)
+    change = CHANGE * _meanwhile(turn, fps)
     parts, apart = _along(points)
+    at = np.arange(len(parts))
+    beside = np.minimum(apart * np.minimum(at, np.abs(at - parts[:, 1].argmax())), PAD)
     middle = 0.5 * (height[1:] + height[:-1])
     step = np.diff(points, axis=0)
     farthest = np.sqrt(np.square(step).sum(axis=2).max(axis=1))
@@ -59,7 +67,9 @@ def stood_on(points: Array, height: Array, fps: float) -> Array:
             np.ascontiguousarray(middle),
             farthest,
             change,
+            DRAWN * turn,
             parts,
+            beside,
             apart,
             FARTHEST,
             GIVES,
@@ -69,7 +79,7 @@ def stood_on(points: Array, height: Array, fps: float) -> Array:
         return parts[out]
     way = np.sqrt(np.square(np.einsum("kp,fpi->fki", parts, step[..., [0, 2]])).sum(axis=2))
     above = middle @ parts.T - middle.min(axis=1)[:, None]
-    cost = way + farthest[:, None] * np.maximum(above - GIVES, 0.0) / RISE
+    cost = way + farthest[:, None] * np.maximum(above - GIVES, 0.0) / RISE + DRAWN * turn[:, None] * beside
     return parts[_least(cost, change, apart)]
 
 
@@ -117,15 +127,19 @@ def _along(points: Array) -> tuple[Array, float]:
     return np.stack([np.interp(at, [0.0, a, a + b], unit) for unit in np.eye(3)], axis=1), (a + b) / (count - 1)
 
 
-def _turning(points: Array, height: Array, fps: float) -> Array:
-    """Radians that a foot turns about the vertical, on the floor, in twice `MEANWHILE` around the frame before each step."""
+def _turning(points: Array, height: Array) -> Array:
+    """Radians that a foot turns about the vertical, on the floor, in each step, shape (frames − 1,)."""
     along = points[:, 2] - points[:, 0]
     flat = along[:, 2] + 1j * along[:, 0]
     # the steeper a foot stands the less its turning moves what bears
     level = np.abs(flat) / np.maximum(np.sqrt(np.square(along).sum(axis=1)), 1e-9)
     turn = np.abs(np.angle(flat[1:] * flat[:-1].conj())) * np.square(np.minimum(level[1:], level[:-1]))
     lowest = 0.5 * (height[1:] + height[:-1]).min(axis=1)
-    turn *= np.clip((NEAR[1] - lowest) / (NEAR[1] - NEAR[0]), 0.0, 1.0)
+    return np.asarray(turn * np.clip((NEAR[1] - lowest) / (NEAR[1] - NEAR[0]), 0.0, 1.0))
+
+
+def _meanwhile(turn: Array, fps: float) -> Array:
+    """What it turns in twice `MEANWHILE` around the frame before each step, shape (frames − 1,)."""
     so_far = np.concatenate([[0.0], np.cumsum(turn)])
     reach, at = max(1, round(MEANWHILE * fps)), np.arange(len(turn))
     return np.asarray(so_far[np.minimum(at + reach, len(turn))] - so_far[np.maximum(at - reach, 0)])
