@@ -61,7 +61,7 @@ def test_of_all_choices_of_points_the_cheapest_is_found(seed: int, native: bool)
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("KINESICS_NO_NATIVE", "0" if native else "1")
         patch.delenv("KINESICS_KERNEL", raising=False)
-        found = pivots.stood_on(points, height, 30.0)
+        found = pivots.cheapest(points, height, 30.0)
     parts, apart = naive.along(points)
     chosen = [int(np.argmin([np.abs(part - one).sum() for part in parts])) for one in found]
     assert naive.cost(points, height, 30.0, parts, apart, chosen) == pytest.approx(naive.least(points, height, 30.0))
@@ -84,9 +84,11 @@ def test_heel_gives_way_to_ball_at_once() -> None:
     yaw = np.linspace(0.0, np.deg2rad(150.0), 61)
     points, height = sole(yaw, np.repeat([HEEL, BALL], 30))
     found = pivots.stood_on(points, height, FPS)
-    np.testing.assert_allclose(found[:30], [[1.0, 0.0, 0.0]] * 30, atol=0.05)
-    np.testing.assert_allclose(found[30:], [[0.0, 1.0, 0.0]] * 30, atol=0.05)
-    assert slide(points, height, FPS) < 0.005
+    np.testing.assert_allclose(found[:26], [[1.0, 0.0, 0.0]] * 26, atol=0.05)
+    np.testing.assert_allclose(found[34:], [[0.0, 1.0, 0.0]] * 26, atol=0.05)
+    # in some hundredths of a second, in which this foot turns by 10°
+    assert np.abs(np.diff(found, axis=0)).max() < 0.5
+    assert slide(points, height, FPS) < 0.01
 
 
 @pytest.mark.parametrize("degrees", [0.0, 15.0, 90.0])

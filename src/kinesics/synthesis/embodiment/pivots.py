@@ -38,18 +38,31 @@ PAD: Final = 0.03
 """Metres around heel and ball from which a turn is drawn to them: so far do they bear."""
 DRAWN: Final = 0.5
 """Metres that it costs for each radian turned and metre beside them."""
+ROLLS: Final = 0.02
+"""Seconds, of a Gaussian over which one point gives way to another."""
 NEAR: Final = (0.01, 0.04)
 """Metres above where it bears at which a sole's turning begins to count for less, and no longer counts."""
 
 
 def stood_on(points: Array, height: Array, fps: float) -> Array:
-    """The point of a sole that goes least over the floor, shape (frames − 1, 3): its parts of heel, ball and tip, sum 1.
+    """The point that a foot stands on from each frame to the next, shape (frames − 1, 3): its parts of heel, ball and tip, sum 1.
+
+    That of `cheapest`, but that one gives way to another within `ROLLS` rather than in a frame, in which the ankle of a foot that
+    spins would be thrown.
 
     Parameters
     ----------
     points : heel, ball and tip in the world, metres, shape (frames, 3, 3).
     height : of the same above where each usually bears, metres, shape (frames, 3).
     """
+    from scipy.ndimage import gaussian_filter1d
+
+    found = cheapest(points, height, fps)
+    return np.asarray(gaussian_filter1d(found, ROLLS * fps, axis=0, mode="nearest")) if len(found) else found
+
+
+def cheapest(points: Array, height: Array, fps: float) -> Array:
+    """The point of a sole that goes least over the floor, all costs counted, shape (frames − 1, 3); as `stood_on`."""
     if len(points) < 2:
         return np.empty((0, 3))
     turn = _turning(points, height)
