@@ -2,6 +2,7 @@
 
 Feet are planted by heel, ball and a tip that lies where toes end as a foot stands flat. A recording that bends its toes down
 farther than any toe goes, on a sole that bears, has their true ends below the floor all the same: they are bent up by as much.
+Where they cannot be, the foot is raised.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from kinesics.body import kinematics
 from kinesics.body.kinematics import Kinematics
 from kinesics.geometry import quaternion
+from kinesics.synthesis.embodiment import inverse_kinematics
 from kinesics.synthesis.embodiment.ranges import envelope, put_within_range
 from kinesics.synthesis.embodiment.stage import SOFTLY, Stage
 from kinesics.synthesis.repertoire import Repertoire
@@ -22,6 +24,10 @@ Array = NDArray[np.float64]
 
 DEEP: Final = 0.009
 """Metres below that which are let pass."""
+_HARDLY: Final = 0.001
+"""Metres for which no foot is raised."""
+_SLOWLY: Final = 0.1
+"""Seconds before and after over which one is."""
 USUAL: Final = 0.2
 """Quantile of the heights of the ends of toes while their foot bears, at which they usually do: some skeletons draw them longer or
 lower than the flesh is."""
@@ -80,6 +86,8 @@ def usual_heights(stage: Stage, planted: Repertoire) -> Array:
 def toes_above_the_floor(stage: Stage, rotations: Array, roots: Array, usual: Array) -> Array:
     """Bent up where they end more than `DEEP` below where they usually do: (frames, joints, 4); the same where none does.
 
+    Toes that cannot be bent as far are raised with their foot.
+
     Parameters
     ----------
     rotations, roots : shapes (frames, joints, 4) and (frames, 3).
@@ -108,4 +116,26 @@ def toes_above_the_floor(stage: Stage, rotations: Array, roots: Array, usual: Ar
         above = known.rotations[goes, stage.repertoire.skeleton.parents[toes]]
         out[goes, toes] = quaternion.multiply(quaternion.conjugate(above), turned)
     put_within_range(stage, out, ends.joints)
+    return _raised(stage, out, roots, ends, usual)
+
+
+def _raised(stage: Stage, rotations: Array, roots: Array, ends: Ends, usual: Array) -> Array:
+    """Feet raised by what toes that go no farther are still too low: rotations, shape (frames, joints, 4)."""
+    known = kinematics.forward(stage.repertoire.skeleton, rotations, roots, joints=stage.lower)
+    below = usual - DEEP - known.positions[:, ends.joints, 1] - ends.beneath(known)[..., 1]
+    up = np.zeros((len(rotations), 2))
+    np.maximum.at(up.T, ends.sides, below.T)
+    if up.max() <= _HARDLY:
+        return rotations
+    reach = max(1, round(_SLOWLY * stage.repertoire.fps))
+    up = np.stack([envelope(up[:, side], reach) for side in (0, 1)], axis=-1)
+    goes = np.flatnonzero(up.any(axis=1))
+    there = known._replace(positions=known.positions[goes], rotations=known.rotations[goes])
+    targets = there.positions[:, list(stage.legs.feet)].copy()
+    targets[..., 1] += up[goes]
+    out = rotations.copy()
+    out[goes] = inverse_kinematics.reach(
+        stage.repertoire.skeleton, rotations[goes], roots[goes], targets, limbs=stage.legs, known=there
+    ).rotations
+    put_within_range(stage, out, np.array([*stage.legs.femurs, *stage.legs.tibias, *stage.legs.feet]))
     return out
