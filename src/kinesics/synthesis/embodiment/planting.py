@@ -234,9 +234,10 @@ def _sliding(stage: Stage, known: Kinematics) -> list[_Slide]:
     places = stage.soles.place(known.positions, known.rotations)
     found = contacts.touching(places, places[..., 1], stage.repertoire.fps, stage.stature, stage.slow)
     height = places[..., 1] - stage.levels
+    # both feet whole, for the sake of speed: between contacts a change of the point costs nothing
+    ways = [way_over(places[:, k], height[:, k], stage.repertoire.fps) for k in (0, 1)]
     spans = [(k, a, b) for k in (0, 1) for a, b in contacts.runs(found.feet[:, k])]
-    ways = (way_over(places[a:b, k], height[a:b, k], stage.repertoire.fps) for k, a, b in spans)
-    all_of_them = (_Slide(*span, _spread(way) - LET_PASS) for span, way in zip(spans, ways, strict=True))
+    all_of_them = (_Slide(k, a, b, _spread(ways[k][a:b]) - LET_PASS) for k, a, b in spans)
     return [slide for slide in all_of_them if slide.more > 0.0]
 
 
