@@ -20,16 +20,23 @@ using Rows = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::devic
 using Values = nb::ndarray<const double, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
 using Chosen = nb::ndarray<std::int32_t, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
 
+// Points along a sole: their parts of heel, ball and tip, one after the other so that the loop over them is vectorised.
+struct Along {
+    std::vector<double> heel, ball, tip;
+};
+
 // What each point costs in one step: its way over the floor, that of the farthest where it is too high to bear, and what a turn
 // beside heel and ball does.
-void costs(const double *step, const double *height, double farthest, double turn, const double *parts, const double *beside,
+void costs(const double *step, const double *height, double farthest, double turn, const Along &parts, const double *beside,
            std::size_t count, double gives, double rise, double *out) {
-    const double lowest = std::min({height[0], height[1], height[2]}) + gives;
+    const double lowest = std::min({height[0], height[1], height[2]}) + gives, high = farthest / rise;
+    const double x0 = step[0], x1 = step[3], x2 = step[6], z0 = step[2], z1 = step[5], z2 = step[8];
+    const double h0 = height[0], h1 = height[1], h2 = height[2];
+    const double *heel = parts.heel.data(), *ball = parts.ball.data(), *tip = parts.tip.data();
     for (std::size_t k = 0; k < count; ++k) {
-        const double a = parts[3 * k], b = parts[3 * k + 1], c = parts[3 * k + 2];
-        const double x = a * step[0] + b * step[3] + c * step[6], z = a * step[2] + b * step[5] + c * step[8];
-        const double above = a * height[0] + b * height[1] + c * height[2] - lowest;
-        out[k] = std::sqrt(x * x + z * z) + farthest * std::max(above, 0.0) / rise + turn * beside[k];
+        const double x = heel[k] * x0 + ball[k] * x1 + tip[k] * x2, z = heel[k] * z0 + ball[k] * z1 + tip[k] * z2;
+        const double above = heel[k] * h0 + ball[k] * h1 + tip[k] * h2 - lowest;
+        out[k] = std::sqrt(x * x + z * z) + high * (above > 0.0 ? above : 0.0) + turn * beside[k];
     }
 }
 
@@ -38,6 +45,12 @@ void costs(const double *step, const double *height, double farthest, double tur
 void changed(double slope, double most, std::size_t count, double *total, std::int32_t *came) {
     const std::size_t first = static_cast<std::size_t>(std::min_element(total, total + count) - total);
     const double least = total[first] + most;
+    if (slope == 0.0) {
+        // where nothing turns all is free
+        for (std::size_t k = 0; k < count; ++k) came[k] = static_cast<std::int32_t>(least < total[k] ? first : k);
+        std::fill_n(total, count, least);
+        return;
+    }
     for (std::size_t k = 0; k < count; ++k) came[k] = static_cast<std::int32_t>(k);
     for (std::size_t k = 1; k < count; ++k)
         if (total[k - 1] + slope < total[k]) total[k] = total[k - 1] + slope, came[k] = came[k - 1];
@@ -56,9 +69,15 @@ void stand_on(Steps step, Rows height, Values farthest, Values change, Values tu
     nb::gil_scoped_release released;
     std::vector<double> total(count), cost(count);
     std::vector<std::int32_t> came(steps * count);
+    Along along{std::vector<double>(count), std::vector<double>(count), std::vector<double>(count)};
+    for (std::size_t k = 0; k < count; ++k) {
+        along.heel[k] = parts.data()[3 * k];
+        along.ball[k] = parts.data()[3 * k + 1];
+        along.tip[k] = parts.data()[3 * k + 2];
+    }
     for (std::size_t t = 0; t < steps; ++t) {
         if (t > 0) changed(change.data()[t] * apart, change.data()[t] * far, count, total.data(), came.data() + t * count);
-        costs(step.data() + 9 * t, height.data() + 3 * t, farthest.data()[t], turn.data()[t], parts.data(), beside.data(), count,
+        costs(step.data() + 9 * t, height.data() + 3 * t, farthest.data()[t], turn.data()[t], along, beside.data(), count,
               gives, rise, cost.data());
         for (std::size_t k = 0; k < count; ++k) total[k] += cost[k];
     }
