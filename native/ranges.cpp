@@ -57,26 +57,27 @@ void within(const Ranges &ranges, std::size_t joint, Places vectors) {
     for (std::size_t k = 0; k < count; ++k) range.hold(at + 3 * k);
 }
 
-// Rotations from joint `first` on, in place.
-void hold(const Ranges &ranges, Rotations rotations, std::size_t first) {
+// Rotations from joint `first` on, in place; where `back` is given each is turned back first, by a rotation vector in the frame of
+// its mean.
+void hold_all(const Ranges &ranges, Rotations rotations, std::size_t first, const double *back) {
     if (rotations.shape(0) != ranges.of.size()) throw std::invalid_argument("kinesics._native.Ranges: shapes do not fit");
     for (std::size_t j = first; j < ranges.of.size(); ++j) {
         double vector[3];
-        if (ranges.of[j].seen(rotations.data() + 4 * j, vector).hold(vector)) ranges.of[j].put(vector, rotations.data() + 4 * j);
+        const Range &range = ranges.of[j].seen(rotations.data() + 4 * j, vector);
+        bool turned = false;
+        for (int n = 0; back != nullptr && n < 3; ++n) {
+            vector[n] -= back[3 * j + n];
+            turned = turned || back[3 * j + n] != 0.0;
+        }
+        if (range.hold(vector) || turned) range.put(vector, rotations.data() + 4 * j);
     }
 }
 
-// The same, each joint turned back first: by a rotation vector in the frame of its mean.
+void hold(const Ranges &ranges, Rotations rotations, std::size_t first) { hold_all(ranges, rotations, first, nullptr); }
+
 void hold_back(const Ranges &ranges, Rotations rotations, std::size_t first, Vectors back) {
-    if (rotations.shape(0) != ranges.of.size() || back.shape(0) != ranges.of.size())
-        throw std::invalid_argument("kinesics._native.Ranges: shapes do not fit");
-    for (std::size_t j = first; j < ranges.of.size(); ++j) {
-        double vector[3];
-        const double *by = back.data() + 3 * j;
-        const Range &range = ranges.of[j].seen(rotations.data() + 4 * j, vector);
-        for (int n = 0; n < 3; ++n) vector[n] -= by[n];
-        if (range.hold(vector) || by[0] != 0.0 || by[1] != 0.0 || by[2] != 0.0) range.put(vector, rotations.data() + 4 * j);
-    }
+    if (back.shape(0) != ranges.of.size()) throw std::invalid_argument("kinesics._native.Ranges: shapes do not fit");
+    hold_all(ranges, rotations, first, back.data());
 }
 
 // Rotation vectors by which joints from `first` on are beyond; returns whether any is.

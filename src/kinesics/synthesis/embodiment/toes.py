@@ -63,6 +63,10 @@ class Ends(NamedTuple):
         """From the joints of the toes to their ends, in the world, metres, shape (frames, n, 3)."""
         return quaternion.rotate(known.rotations[:, self.joints], self.sites)
 
+    def heights(self, known: Kinematics) -> Array:
+        """Of the ends above the floor, metres, shape (frames, n)."""
+        return np.asarray(known.positions[:, self.joints, 1] + self.beneath(known)[..., 1])
+
 
 def usual_heights(stage: Stage, planted: Repertoire) -> Array:
     """Heights above the floor at which toes usually end while their foot bears, at most 0, metres, shape (n,).
@@ -73,7 +77,7 @@ def usual_heights(stage: Stage, planted: Repertoire) -> Array:
     """
     ends = Ends.of(stage)
     known = kinematics.forward(planted.skeleton, planted.rotations[0], planted.root_positions[0], joints=stage.lower)
-    height = known.positions[:, ends.joints, 1] + ends.beneath(known)[..., 1]
+    height = ends.heights(known)
     usual = []
     for n, side in enumerate(ends.sides.tolist()):
         bears = planted.contacts[0, :, side]
@@ -97,10 +101,10 @@ def toes_above_the_floor(stage: Stage, rotations: Array, roots: Array, usual: Ar
     if not len(ends.joints):
         return rotations
     known = kinematics.forward(stage.repertoire.skeleton, rotations, roots, joints=stage.lower)
-    beneath = ends.beneath(known)
-    below = usual - DEEP - known.positions[:, ends.joints, 1] - beneath[..., 1]
+    below = usual - DEEP - ends.heights(known)
     if not (below > 0.0).any():
         return rotations
+    beneath = ends.beneath(known)
     out = rotations.copy()
     reach = max(1, round(SOFTLY * stage.repertoire.fps))
     for n, toes in enumerate(ends.joints.tolist()):
@@ -122,7 +126,7 @@ def toes_above_the_floor(stage: Stage, rotations: Array, roots: Array, usual: Ar
 def _raised(stage: Stage, rotations: Array, roots: Array, ends: Ends, usual: Array) -> Array:
     """Feet raised by what toes that go no farther are still too low: rotations, shape (frames, joints, 4)."""
     known = kinematics.forward(stage.repertoire.skeleton, rotations, roots, joints=stage.lower)
-    below = usual - DEEP - known.positions[:, ends.joints, 1] - ends.beneath(known)[..., 1]
+    below = usual - DEEP - ends.heights(known)
     up = np.zeros((len(rotations), 2))
     np.maximum.at(up.T, ends.sides, below.T)
     if up.max() <= _HARDLY:
