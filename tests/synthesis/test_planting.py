@@ -90,6 +90,36 @@ def test_ankles_do_not_leap_as_feet_are_let_go(shared_data: Path) -> None:
     assert leaps(done).max() < 1.3 * leaps(run).max()
 
 
+def test_feet_that_glide_as_recorded_are_not_thrown_where_they_are_let_go(shared_data: Path) -> None:
+    """Who hops and turns has feet that leave the floor at 1 m/s and more: they are in motion before the last frame of a contact."""
+    made = network(repertoire(kx.read(shared_data / "cmu" / "49/49_08.amc")))
+    paths = [0]
+    while len(paths) < 40:
+        paths.append(int(made.successors(paths[-1])[0]))
+    found = check(render(made, paths), made)
+    assert found.contacts > 10
+    assert not found.leaps
+    assert not found.slides
+
+
+def test_a_foot_is_held_by_decades_less_where_it_rolls_on_and_off() -> None:
+    """Wholly in the middle of a contact, by the same at both ends, not at all in the air; whatever the frame rate."""
+    for fps in (30.0, 60.0, 120.0):
+        bears = np.zeros(round(2.0 * fps), dtype=np.bool_)
+        on, off = round(0.5 * fps), round(1.5 * fps)
+        bears[on:off] = True
+        firm = planting._grip(bears, fps)
+        away = 1 + np.minimum(np.arange(len(bears)) - on, off - 1 - np.arange(len(bears)))[bears]
+        assert (firm[~bears] == 0.0).all()
+        assert (firm[bears][away >= planting.GRIP * fps] == 1.0).all()
+        assert (np.diff(firm[on : on + len(bears) // 4]) >= 0.0).all()
+        assert np.allclose(firm[on:off], firm[on:off][::-1])
+    # at 120 frames a second it glides in the last of them
+    assert firm[on] < 0.003
+    assert (planting._grip(np.ones(9, dtype=np.bool_), 60.0) == 1.0).all()
+    assert (planting._grip(np.zeros(9, dtype=np.bool_), 60.0) == 0.0).all()
+
+
 def test_a_runner_s_feet_are_on_the_ground_for_as_long_as_they_were(shared_data: Path) -> None:
     """Within a tenth, though they stand still where in the recording they slide; and they are not drawn to the floor besides."""
     own = repertoire(kx.read(shared_data / "cmu" / "09/09_06.amc"))
