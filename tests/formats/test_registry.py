@@ -194,6 +194,32 @@ def test_who_lies_but_stands_at_some_time_is_not_doubted(tmp_path, whole_walk) -
     )
 
 
+def test_who_may_prop_itself_up_is_doubted(tmp_path, whole_walk) -> None:
+    """Held as in a press-up, the head is over the feet along z: which of two floors it is none can tell, so it is said how to mend
+    it. Who walks under z up is not doubted: there is no floor along y."""
+    frames = whole_walk.frame_count
+    half = np.sqrt(0.5)
+    flat = np.broadcast_to([half, half, 0.0, 0.0], (frames, 4))
+    lying = _rolled(whole_walk, flat)
+    still = lying.replace(
+        rotations=np.broadcast_to(lying.rotations[0], lying.rotations.shape),
+        root_positions=np.broadcast_to(lying.root_positions[0], (frames, 3)),
+    )
+    kx.write(still, tmp_path / "prone.bvh")
+    found = kx.read(tmp_path / "prone.bvh")
+    assert found.source.up_axis == "z"
+    (doubt,) = found.warnings
+    assert doubt.startswith("z is taken for up")
+    assert "--up y" in doubt
+    assert not [w for w in kx.read(tmp_path / "prone.bvh", up="z").warnings if "taken for up" in w]
+    # the same world with z up, walking on along y
+    roots = np.stack([0.0 * np.arange(frames), 0.05 * np.arange(frames), np.full(frames, 0.9)], axis=1)
+    kx.write(lying.replace(root_positions=roots), tmp_path / "walks.bvh")
+    walks = kx.read(tmp_path / "walks.bvh")
+    assert walks.source.up_axis == "z"
+    assert walks.warnings == ()
+
+
 def _rolled(motion, turns):
     """The whole body turned about its pelvis, another turn a frame, shape (frames, 4)."""
     rotations = motion.rotations.copy()

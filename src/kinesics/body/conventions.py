@@ -7,6 +7,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from kinesics.body import kinematics
 from kinesics.body.joint_names import by_name
 from kinesics.body.shape import by_shape
 from kinesics.body.skeleton import Skeleton
@@ -36,6 +37,8 @@ _UNIT_NAMES: Final = {
 _TYPICAL_LEG: Final = 0.82
 """Metres from hip joint to ankle of a grown-up: .245 + .246 of the height (Drillis and Contini 1966), 1.70 m."""
 _TYPICAL_SIZE: Final = 1.7
+_STEADY: Final = 0.05
+"""Of the body's size, by which its lowest point may waver over a floor."""
 
 
 class Conventions(NamedTuple):
@@ -73,16 +76,18 @@ def detect(
     if up is None:
         up_axis, why = _detect_up(positions, body)
         said.append(f"up axis {up_axis}: {why}")
+        doubts = _doubt_of_rest(skeleton, positions, body, up_axis)
     else:
+        doubts = ()
         up_axis = up.lower().replace("+", "")
         if up_axis not in ("x", "y", "z", "-x", "-y", "-z"):
-            raise InputError(f'Expected an up axis such as "y", "z" or "-y", got "{up}".')
+            raise InputError(f'Expected an up axis (--up, up=) such as "y", "z" or "-y", got "{up}".')
     if unit is None:
         scale, why = _detect_unit(positions, body)
         said.append(why)
     else:
         scale = unit_scale(unit)
-    return Conventions(scale, up_axis, tuple(said), _doubt_of_up(positions, body, up_axis))
+    return Conventions(scale, up_axis, tuple(said), (*doubts, *_doubt_of_up(positions, body, up_axis)))
 
 
 def unit_scale(unit: str | float) -> float:
@@ -100,7 +105,9 @@ def unit_scale(unit: str | float) -> float:
     except ValueError:
         scale = 0.0
     if not (np.isfinite(scale) and scale > 0):
-        raise InputError(f'Expected a unit ({", ".join(UNITS)}) or a number of metres, got "{unit}".')
+        raise InputError(
+            f'Expected a unit (--unit, unit=), one of {", ".join(UNITS)}, or a number of metres, got "{unit}".'
+        )
     return scale
 
 
@@ -180,6 +187,32 @@ def _doubt_of_up(positions: Array, body: dict[str, int], up_axis: str) -> tuple[
     return (f"With {up_axis} up the body never stands: it {does}. If it should stand, {mend}.",)
 
 
+def _doubt_of_rest(skeleton: Skeleton, positions: Array, body: dict[str, int], up_axis: str) -> tuple[str, ...]:
+    """A sentence if all but the body's direction speaks for y, by custom the axis that points up: it may lie on that floor."""
+    if up_axis == "y":
+        return ()
+    rest = kinematics.forward(skeleton, quaternion.identity((1, skeleton.joint_count)), np.zeros((1, 3))).positions
+    rise = _from_feet_to_head(rest, body)
+    if rise is None or _stands_along(rise[0]) != "y" or _waver(positions, "y") > _STEADY * _size(positions):
+        return ()
+    return (
+        f"{up_axis} is taken for up, for the head is over the feet along it; but the skeleton rests standing along y, and the "
+        "lowest point of the body keeps to one height along that, too. If the body lies or props itself up here, read it with "
+        '--up y (up="y").',
+    )
+
+
+def _waver(positions: Array, up_axis: str) -> float:
+    """By how much the height of the body's lowest point varies, the standard deviation."""
+    height = positions[:, :, "xyz".index(up_axis[-1])] * (-1.0 if up_axis[0] == "-" else 1.0)
+    return float(height.min(axis=1).std())
+
+
+def _size(positions: Array) -> float:
+    """Of the body, from corner to corner."""
+    return float(np.median(np.linalg.norm(np.ptp(positions, axis=1), axis=1)))
+
+
 def _detect_floor(positions: Array, share: Array) -> str | None:
     """The axis along which something is always at one height, the floor, though the body tumbles; None where it is not plain.
 
@@ -190,12 +223,10 @@ def _detect_floor(positions: Array, share: Array) -> str | None:
     waver: dict[str, float] = {}
     for axis in range(3):
         name = ("-" if share[axis] < 0 else "") + "xyz"[axis]
-        height = positions[:, :, axis] * (-1.0 if share[axis] < 0 else 1.0)
         if abs(share[axis]) > 0.15:
-            waver[name] = float(height.min(axis=1).std())
-    size = float(np.median(np.linalg.norm(np.ptp(positions, axis=1), axis=1)))
+            waver[name] = _waver(positions, name)
     ranked = sorted(waver, key=lambda name: waver[name])
-    if not ranked or waver[ranked[0]] > 0.05 * size:
+    if not ranked or waver[ranked[0]] > _STEADY * _size(positions):
         return None
     return ranked[0] if len(ranked) == 1 or waver[ranked[0]] < 0.3 * waver[ranked[1]] else None
 
