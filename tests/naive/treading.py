@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from kinesics.body import kinematics
+from kinesics.body.capsules import segment_distance
 from kinesics.geometry import quaternion
 from kinesics.synthesis.embodiment import inverse_kinematics
 from kinesics.synthesis.embodiment.stage import (
@@ -56,7 +57,7 @@ class Treading:
         self.shift, self.velocity, self.acceleration = np.zeros((3, 2, 2))
         self.over = np.zeros((2, 2))
         self.stood, self.lags = [False, False], [False, False]
-        self.slips = self.held_back = 0
+        self.slips = self.held_back = self.asides = 0
         dt = 1.0 / stage.repertoire.fps
         self.turned = {j: Follower(max(stage.accelerations[j], LEAST_TURNING), dt) for j in self.joints}
         self.body, self.raised = Follower(SPARED * stage.usual.body, dt), Follower(SPARED * stage.usual.body, dt)
@@ -128,6 +129,7 @@ class Treading:
         need = (shortfall(stage, (positions + leant)[None], targets[None])[0] * self.hold).max()
         self.drop += eased(0.25 * SINK if need > self.drop else SINK) * (need - self.drop)
         shift = self.body.follow(leant - [0.0, self.drop, 0.0])
+        targets = targets + self.aside(positions, shift, targets)
         root = root + shift
         # how far legs are bent: those that swing are not stretched
         near_targets = targets.copy()
@@ -182,6 +184,46 @@ class Treading:
         ahead, left, behind, right = np.square(at.positions[:, ankle] - target).sum(axis=-1)
         least = np.arctan2(right - left, behind - ahead)
         return quaternion.multiply(legs[knee], quaternion.from_rotvec(least * self.legs.hinges[k]))
+
+    def aside(self, positions: np.ndarray, shift: np.ndarray, targets: np.ndarray) -> np.ndarray:
+        """How far feet go aside, (2, 3), so that no part of a leg is deeper in the other than ever: those that swing."""
+        legs = [positions[list(part)] for part in (self.legs.femurs, self.legs.tibias, self.legs.feet)]
+        hips, knees, ankles = legs[0] + shift, legs[1] + 0.5 * (shift + targets - legs[2]), targets
+
+        def over(by: np.ndarray) -> np.ndarray:
+            parts = {}
+            for k, side in enumerate(("left", "right")):
+                parts[f"{side} femur"] = hips[k], knees[k] + 0.5 * by[k]
+                parts[f"{side} tibia"] = knees[k] + 0.5 * by[k], ankles[k] + by[k]
+            capsules, out = self.stage.capsules, []
+            for (a, b), deepest in zip(capsules.pairs, self.stage.deepest, strict=True):
+                one, other = parts.get(capsules.names[a]), parts.get(capsules.names[b])
+                if one is not None and other is not None:
+                    depth = capsules.radii[a] + capsules.radii[b] - segment_distance(*one, *other)
+                    out.append(depth - deepest - 0.001)
+            return np.array(out)
+
+        by = np.zeros((2, 3))
+        for _ in range(3):
+            now = over(by)
+            if now.max(initial=-1.0) <= 0.0 or not (self.hold < 1.0).any():
+                break
+            farthest = np.zeros((2, 3))
+            for pair in np.flatnonzero(now > 0.0):
+                change = np.zeros((2, 3))
+                for k in (0, 1):
+                    for axis in (0, 2):
+                        step = np.zeros((2, 3))
+                        step[k, axis] = 0.001
+                        change[k, axis] = (1.0 - self.hold[k]) * (over(by + step)[pair] - now[pair]) / 0.001
+                way = -change * now[pair] / max((change**2).sum(), 0.05)
+                if np.linalg.norm(way) > np.linalg.norm(farthest):
+                    farthest = way
+            by = by + farthest
+            for k in (0, 1):
+                by[k] *= min(1.0, 0.08 / max(np.linalg.norm(by[k]), 1e-300))
+            self.asides += 1
+        return by
 
     def slower(self, velocity: np.ndarray) -> np.ndarray:
         """Braked for one frame as quickly as feet are."""

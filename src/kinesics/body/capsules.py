@@ -29,6 +29,7 @@ from kinesics.body.skeleton import Skeleton
 from kinesics.geometry import quaternion
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
 
 DEPTH_TOLERANCE: Final = 0.05
 """Metres that two capsules may interpenetrate: some 2 cm of flesh that gives way, 1 to 2 cm by which either radius may
@@ -162,21 +163,33 @@ class Capsules:
         looked_at, places = np.unique(np.concatenate([a, b]), return_inverse=True)
         starts, ends = _capsules(self.skeleton, positions, rotations, self.body, self.stature, looked_at.tolist())
         a, b = places.reshape(2, -1)
-        if compiled.wanted():
-            depth = np.empty((len(positions), len(self.pairs)))
-            compiled.native.capsule_depths(starts, ends, a.astype(np.int32), b.astype(np.int32), reach, least, depth)
-            return depth
-        depth = np.full((len(positions), len(self.pairs)), -np.inf)
-        # segments whose middles are farther apart than half their lengths and their radii cannot touch
-        middles = 0.5 * (starts + ends)
-        along = ends - starts
-        half = 0.5 * np.sqrt(_dot(along, along))
-        apart = middles[:, a] - middles[:, b]
-        near = _dot(apart, apart) < (half[:, a] + half[:, b] + reach - least) ** 2
-        frames, which = np.nonzero(near)
-        first, second = (frames, a[which]), (frames, b[which])
-        depth[near] = reach[which] - segment_distance(starts[first], ends[first], starts[second], ends[second])
+        return depths_between(Ends(starts, ends), a, b, reach, least=least)
+
+
+def depths_between(capsules: Ends, a: Indices, b: Indices, reach: Array, *, least: float = 0.0) -> Array:
+    """Metres by which pairs of capsules interpenetrate, −∞ where by less than about ``least``: shape (frames, pairs).
+
+    Parameters
+    ----------
+    a, b : the capsules of each pair, shape (pairs,).
+    reach : the sum of their radii, metres, shape (pairs,).
+    """
+    starts, ends = capsules
+    depth = np.empty((len(starts), len(reach)))
+    if compiled.wanted():
+        compiled.native.capsule_depths(starts, ends, a.astype(np.int32), b.astype(np.int32), reach, least, depth)
         return depth
+    depth[:] = -np.inf
+    # segments whose middles are farther apart than half their lengths and their radii cannot touch
+    middles = 0.5 * (starts + ends)
+    along = ends - starts
+    half = 0.5 * np.sqrt(_dot(along, along))
+    apart = middles[:, a] - middles[:, b]
+    near = _dot(apart, apart) < (half[:, a] + half[:, b] + reach - least) ** 2
+    frames, which = np.nonzero(near)
+    first, second = (frames, a[which]), (frames, b[which])
+    depth[near] = reach[which] - segment_distance(starts[first], ends[first], starts[second], ends[second])
+    return depth
 
 
 def self_collisions(

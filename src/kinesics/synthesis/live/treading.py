@@ -34,6 +34,7 @@ from kinesics.synthesis.embodiment.stage import (
     Stage,
     held_around,
 )
+from kinesics.synthesis.live.clear_legs import ClearLegs
 from kinesics.synthesis.live.foresight import Coming, Foresight
 from kinesics.synthesis.live.leg import Gently, Leg, chain, leg
 from kinesics.synthesis.repertoire import Repertoire
@@ -94,6 +95,7 @@ class Treading:
             )
             for k in (0, 1)
         ]
+        self._clear_legs = ClearLegs(stage)
         self._lean_x = self._lean_z = self._drop = 0.0
         self._body, self._raised = (Gently(SPARED * stage.usual.body, 1.0 / fps) for _ in (0, 1))
         self._follows = _eased(1.0 / fps, _FOLLOWED)
@@ -118,6 +120,7 @@ class Treading:
         need = max(foot.shortfall(places, self._lean_x, self._lean_z) * foot.hold for foot in feet)
         self._drop += (self._sinks_quickly if need > self._drop else self._sinks) * (need - self._drop)
         shift = self._body.follow((self._lean_x, -self._drop, self._lean_z))
+        self._clear(places, shift)
         lowest = math.inf
         for foot in feet:
             # a foot whose leg was held back slides, and the body goes after it from the next frame on
@@ -128,6 +131,14 @@ class Treading:
             rotations[foot.joints] = foot.rotations
         _, raised, _ = self._raised.follow((0.0, max(-lowest - SUNK, 0.0), 0.0))
         return root[0] + shift[0], root[1] + shift[1] + max(raised, -lowest - _DEEPEST), root[2] + shift[2]
+
+    def _clear(self, places: list[Vector], shift: Vector) -> None:
+        """Let feet go where their legs do not pass through each other."""
+        hips, knees, ankles = zip(*(foot.expected(places, shift) for foot in self._feet), strict=True)
+        asides = self._clear_legs.aside(list(hips), list(knees), list(ankles), [1.0 - foot.hold for foot in self._feet])
+        for foot, aside in zip(self._feet, asides, strict=True):
+            if aside:
+                foot.target = single.add(foot.target, (aside.imag, 0.0, aside.real))
 
     @property
     def carried(self) -> complex:
@@ -290,6 +301,12 @@ class _Foot:
         most = min(max(now, inverse_kinematics.SOFT * length), inverse_kinematics.STRAIGHTEST * length)
         x, y, z = single.subtract(self.target, single.add(hip, (lean_x, 0.0, lean_z)))
         return max(-y - math.sqrt(max(most * most - x * x - z * z, 0.0)), 0.0)
+
+    def expected(self, places: list[Vector], shift: Vector) -> tuple[Vector, Vector, Vector]:
+        """Where hip, knee and ankle come to be, the body shifted, as nearly as that is known before the leg reaches."""
+        x, y, z = single.add(shift, single.subtract(self.target, places[self._ankle]))
+        knee = single.add(places[self._knee], (0.5 * x, 0.5 * y, 0.5 * z))
+        return single.add(places[self._hip], shift), knee, self.target
 
     def reach(
         self, places: list[Vector], world: list[Quaternion], local: list[Quaternion], shift: Vector
