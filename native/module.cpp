@@ -18,6 +18,7 @@ void bind_cuts(nb::module_ &m);
 void bind_weighing(nb::module_ &m);
 void bind_ranges(nb::module_ &m);
 void bind_pivots(nb::module_ &m);
+void bind_taut(nb::module_ &m);
 #ifdef KINESICS_TEXT
 void bind_text(nb::module_ &m);
 #endif
@@ -38,6 +39,7 @@ NB_MODULE(_native, m) {
     bind_footing(m);
     bind_ranges(m);
     bind_pivots(m);
+    bind_taut(m);
     bind_live(m);
     bind_cuts(m);
     bind_weighing(m);

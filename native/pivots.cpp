@@ -1,4 +1,5 @@
-// The point of a sole that a foot stands on. The NumPy twin is in kinesics/synthesis/embodiment/pivots.py.
+// The point of a sole that a foot stands on, and how far it goes. The NumPy twins are in
+// kinesics/synthesis/embodiment/pivots.py.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
@@ -18,6 +19,9 @@ namespace {
 using Steps = nb::ndarray<const double, nb::shape<-1, 3, 3>, nb::c_contig, nb::device::cpu>;
 using Rows = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 using Values = nb::ndarray<const double, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
+using Way = nb::ndarray<const double, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
+using Bounds = nb::ndarray<const std::int64_t, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
+using Spread = nb::ndarray<double, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
 using Chosen = nb::ndarray<std::int32_t, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
 
 // Points along a sole: their parts of heel, ball and tip, one after the other so that the loop over them is vectorised.
@@ -88,9 +92,53 @@ void stand_on(Steps step, Rows height, Values farthest, Values change, Values tu
     }
 }
 
+// How far apart the places of a run are at most along eight directions, the first of them that in which they are spread most.
+double spread(const double *way, std::size_t count) {
+    double x = 0.0, z = 0.0;
+    for (std::size_t t = 0; t < count; ++t) x += way[2 * t], z += way[2 * t + 1];
+    x /= static_cast<double>(count), z /= static_cast<double>(count);
+    double xx = 0.0, xz = 0.0, zz = 0.0;
+    for (std::size_t t = 0; t < count; ++t) {
+        const double a = way[2 * t] - x, b = way[2 * t + 1] - z;
+        xx += a * a, xz += a * b, zz += b * b;
+    }
+    const double along = 0.5 * std::atan2(2.0 * xz, xx - zz);
+    constexpr int directions = 8;
+    double c[directions], s[directions], low[directions], high[directions];
+    for (int n = 0; n < directions; ++n) {
+        c[n] = std::cos(along + n * 3.14159265358979323846 / directions);
+        s[n] = std::sin(along + n * 3.14159265358979323846 / directions);
+        low[n] = std::numeric_limits<double>::infinity();
+        high[n] = -low[n];
+    }
+    for (std::size_t t = 0; t < count; ++t) {
+        const double a = way[2 * t] - x, b = way[2 * t + 1] - z;
+        for (int n = 0; n < directions; ++n) {
+            const double at = a * c[n] + b * s[n];
+            low[n] = at < low[n] ? at : low[n];
+            high[n] = at > high[n] ? at : high[n];
+        }
+    }
+    double most = 0.0;
+    for (int n = 0; n < directions; ++n) most = std::max(most, high[n] - low[n]);
+    return most;
+}
+
+void spreads(Way way, Bounds starts, Bounds stops, Spread out) {
+    const std::size_t count = out.shape(0);
+    if (starts.shape(0) != count || stops.shape(0) != count) throw std::invalid_argument("spreads: shapes do not fit");
+    for (std::size_t n = 0; n < count; ++n) {
+        const std::int64_t a = starts.data()[n], b = stops.data()[n];
+        if (a < 0 || b <= a || b > static_cast<std::int64_t>(way.shape(0)))
+            throw std::invalid_argument("spreads: no such frames");
+        out.data()[n] = spread(way.data() + 2 * a, static_cast<std::size_t>(b - a));
+    }
+}
+
 }  // namespace
 
 void bind_pivots(nb::module_ &m) {
     m.def("stand_on", &stand_on, "step"_a.noconvert(), "height"_a.noconvert(), "farthest"_a.noconvert(), "change"_a.noconvert(),
           "turn"_a.noconvert(), "parts"_a.noconvert(), "beside"_a.noconvert(), "apart"_a, "far"_a, "gives"_a, "rise"_a, "out"_a.noconvert());
+    m.def("spreads", &spreads, "way"_a.noconvert(), "starts"_a.noconvert(), "stops"_a.noconvert(), "out"_a.noconvert());
 }

@@ -200,6 +200,12 @@ def stand_on(
 ) -> None:
     """Fill ``out`` (steps,) with which of the points along a sole, of these ``parts``, it stands on in each step."""
 
+def spreads(way: _Doubles, starts: NDArray[np.int64], stops: NDArray[np.int64], out: _Doubles) -> None:
+    """Fill ``out`` (runs,) with how far apart the places of a way (frames, 2) are at most in each run of frames."""
+
+def taut(low: _Doubles, high: _Doubles, at: _Doubles, where: _Doubles, height: _Doubles) -> int:
+    """The corners of a string pulled taut in a tube, as ``where`` and ``height`` (2 · frames,); 0 if nothing bends it."""
+
 def blended(
     rotations: _Doubles,
     offset: _Doubles,

@@ -122,6 +122,27 @@ def test_back_and_mirrored_it_stands_on_the_same_points() -> None:
     assert back == pytest.approx(way, rel=0.05)
 
 
+@settings(max_examples=50, deadline=None)
+@given(seed=st.integers(0, 2**16), frames=st.integers(1, 60), native=st.booleans())
+def test_how_far_a_way_spreads_is_told_to_a_fiftieth(seed: int, frames: int, native: bool) -> None:
+    """Never more than any two of its places are apart, of each run by itself, and of one frame nothing."""
+    if native and compiled.native is None:
+        pytest.skip("The compiled kernels were not built.")
+    rng = np.random.default_rng(seed)
+    way = np.cumsum(rng.normal(0.0, 1.0, (frames, 2)) * rng.uniform(0.0, 1.0, 2), axis=0) + 5.0
+    cut = int(rng.integers(1, frames + 1))
+    spans = [(0, frames), (0, cut), (cut - 1, frames), (0, 1)]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("KINESICS_NO_NATIVE", "0" if native else "1")
+        patch.delenv("KINESICS_KERNEL", raising=False)
+        found = pivots.spreads(way, spans)
+        assert pivots.spreads(way, []).shape == (0,)
+    exact = np.array([farthest(way[a:b]) for a, b in spans])
+    assert (found <= exact + 1e-12).all()
+    assert (found >= 0.98 * exact).all()
+    assert found[-1] == 0.0
+
+
 def test_one_frame_and_two() -> None:
     """What has no steps stands on nothing; what has one, on what moves least."""
     points, height = sole(np.array([0.0, 0.3]), np.array([HEEL]))

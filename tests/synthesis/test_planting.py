@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -131,3 +132,24 @@ def test_a_runner_s_feet_are_on_the_ground_for_as_long_as_they_were(shared_data:
         return float(contacts.touching(soles, soles[..., 1], own.fps, stage.stature, stage.slow).feet.mean())
 
     assert share(planted) == pytest.approx(share(own), rel=0.1)
+
+
+def test_a_round_that_would_end_as_the_one_before_is_not_gone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where contacts slide on that nothing mends, more rounds are no more work; what another would make of the feet is known."""
+    own = repertoire(kx.performer.walk(seconds=3, fps=60, seed=4).motion)
+    stage = Stage.of(own)
+    gone, plant = [], planting._planted
+
+    def planted(*given: Any) -> planting.Footed:
+        gone.append((given, plant(*given)))
+        return gone[-1][1]
+
+    monkeypatch.setattr(planting, "_planted", planted)
+    monkeypatch.setattr(planting, "_PATIENCE", 100)
+    monkeypatch.setattr(planting, "LET_PASS", -1.0)
+    planting.pin(stage, own.rotations[0], own.root_positions[0], own.contacts[0], rounds=30)
+    assert 2 <= len(gone) < 30
+    given, last = gone[-1]
+    again = plant(*given)
+    np.testing.assert_array_equal(again.rotations, last.rotations)
+    np.testing.assert_array_equal(again.roots, last.roots)

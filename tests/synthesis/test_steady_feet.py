@@ -7,11 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 import kinesics as kx
+from kinesics import compiled
 from kinesics.body import kinematics
 from kinesics.geometry import quaternion
 from kinesics.synthesis.embodiment.quality import measure
@@ -126,14 +127,32 @@ def test_steady_feet_stay_within_the_range_recorded(fps: float) -> None:
     assert (vectors >= flipping.low[foot] - 1e-9).all()
 
 
-@given(st.integers(2, 25), st.integers(0, 2**32 - 1))
-def test_a_taut_line_is_the_least_of_all_in_its_tube(frames: int, seed: int) -> None:
-    """As the twin finds it, which knows of no corners."""
+def tube(frames: int, seed: int) -> tuple[Array, Array, Array]:
+    """Its floor, its ceiling and where along it each frame lies, shape (frames,); in one frame of five it is closed."""
     rng = np.random.default_rng(seed)
     middle = np.cumsum(rng.normal(size=frames))
     width = rng.uniform(0.0, 1.5, frames) * (rng.random(frames) > 0.2)
-    at = np.cumsum(rng.uniform(0.05, 1.0, frames))
-    low, high = middle - width, middle + width
+    return middle - width, middle + width, np.cumsum(rng.uniform(0.05, 1.0, frames))
+
+
+@pytest.mark.skipif(compiled.native is None, reason="The compiled kernels were not built.")
+@settings(deadline=None)
+@given(st.integers(1, 200), st.integers(0, 2**32 - 1), st.sampled_from([1.0, 0.1]))
+def test_a_string_is_pulled_as_taut_without_the_compiled_module(frames: int, seed: int, rough: float) -> None:
+    """Also where it is level, or the tube closed from end to end."""
+    low, high, at = tube(frames, seed)
+    low, high = rough * low - (1.0 - rough), rough * high + (1.0 - rough)
+    for floor in (low, high):
+        found = taut(floor, high, at)
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setenv("KINESICS_NO_NATIVE", "1")
+            np.testing.assert_allclose(found, taut(floor, high, at), rtol=0.0, atol=1e-12)
+
+
+@given(st.integers(2, 25), st.integers(0, 2**32 - 1))
+def test_a_taut_line_is_the_least_of_all_in_its_tube(frames: int, seed: int) -> None:
+    """As the twin finds it, which knows of no corners."""
+    low, high, at = tube(frames, seed)
     found = taut(low, high, at)
     assert (found >= low - 1e-9).all()
     assert (found <= high + 1e-9).all()

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+from collections import deque
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -22,7 +23,7 @@ from kinesics.synthesis.embodiment import blending, footing, inverse_kinematics
 from kinesics.synthesis.embodiment.arms import SKIN, STEP, way_apart
 from kinesics.synthesis.embodiment.footing import Bounds, Stiffness
 from kinesics.synthesis.embodiment.pelvis import turned_for_the_hips
-from kinesics.synthesis.embodiment.pivots import steps_of, way_over
+from kinesics.synthesis.embodiment.pivots import spreads, steps_of, way_of
 from kinesics.synthesis.embodiment.ranges import YIELD, Ranges, both_ways, envelope, put_within_range, smooth
 from kinesics.synthesis.embodiment.stage import (
     LIFT,
@@ -78,6 +79,8 @@ _PATIENCE: Final = 2
 """Rounds that may pass without anything getting better."""
 _TURNS: Final = (6, 3)
 """Most times that the pelvis is turned in the first round, and in each after that, which begins as the one before ended."""
+_LATELY: Final = 3
+"""Ways of a foot that are remembered: as it was given, as it was planted, and with its joints put back."""
 _NEAR: Final = 0.2
 """Seconds around a contact that slides in which the body is to go along."""
 _NOTHING: Final = np.deg2rad(0.2)
@@ -132,8 +135,17 @@ def pin(
     gripped = standing
     turned = None
     best, least_slid, found_in = None, np.inf, 0
+    stood = _Stood(stage)
+    begun: tuple[Array | Mask, ...] = ()
     for attempt in range(rounds):
-        done = _planted(stage, given, roots, standing, gripped, held, stiff, bounds, adrift)
+        if attempt:
+            # a round that begins as the one before, but for the first, ends as that did, and so do all that follow
+            assert turned is not None
+            begins = given[:, feet], gripped, way.copy(), least.copy(), more, turned.wanted
+            if attempt > 1 and all(map(np.array_equal, begins, begun)):
+                break
+            begun = begins
+        done = _planted(stage, given, roots, standing, gripped, held, stiff, bounds, adrift, stood)
         turned = turned_for_the_hips(stage, done.rotations, done.roots, turned, _TURNS[min(attempt, 1)])
         done = done._replace(rotations=turned.rotations)
         within = done.rotations.copy()
@@ -141,7 +153,7 @@ def pin(
         put_back = _lower(stage, within, done.roots)
         push = _apart(stage, put_back)
         pushed = float(np.linalg.norm(push, axis=-1).max())
-        slides = _sliding(stage, put_back)
+        slides = _sliding(stage, put_back, stood)
         slid = sum(slide.more for slide in slides) + pushed
         if slid < least_slid:
             best, least_slid, found_in = (done._replace(rotations=within), put_back), slid, attempt
@@ -149,7 +161,7 @@ def pin(
         if good or attempt == rounds - 1 or attempt - found_in == _PATIENCE:
             break
         planted = _lower(stage, done.rotations, done.roots)
-        gripped = gripped | _frames_of(_sliding(stage, planted), len(roots), 0)
+        gripped = gripped | _frames_of(_sliding(stage, planted, stood), len(roots), 0)
         # an ankle that would be bent too far turns its foot, by no more than this leg asks for; it is then planted as it is turned
         above = planted.rotations[:, parents]
         bent = done.rotations.copy()
@@ -233,16 +245,35 @@ class _Slide(NamedTuple):
     """Metres."""
 
 
-def _sliding(stage: Stage, known: Kinematics) -> list[_Slide]:
+class _Stood:
+    """How far the points go that feet stand on, as `pivots.steps_of`; of a foot that goes as it lately did, what it did then."""
+
+    def __init__(self, stage: Stage) -> None:
+        self._stage = stage
+        self._known: list[deque[tuple[Array, Array]]] = [deque(maxlen=_LATELY) for _ in stage.legs.feet]
+
+    def steps(self, places: Array) -> list[Array]:
+        """Of soles (frames, 2, 3, 3), in metres over the floor from each frame to the next, shape (frames − 1, 2) each."""
+        # both feet whole, for the sake of speed: between contacts a change of the point costs nothing
+        return [self._steps(k, places[:, k]) for k in range(len(self._known))]
+
+    def _steps(self, foot: int, points: Array) -> Array:
+        known = self._known[foot]
+        found = next((steps for before, steps in known if np.array_equal(before, points)), None)
+        if found is None:
+            height = points[..., 1] - self._stage.levels[foot]
+            found = steps_of(points, height, self._stage.repertoire.fps)
+            known.append((points, found))
+        return found
+
+
+def _sliding(stage: Stage, known: Kinematics, stood: _Stood) -> list[_Slide]:
     """Contacts, as anyone would find them, in which a foot slides."""
     places = stage.soles.place(known.positions, known.rotations)
     found = contacts.touching(places, places[..., 1], stage.repertoire.fps, stage.stature, stage.slow)
-    height = places[..., 1] - stage.levels
-    # both feet whole, for the sake of speed: between contacts a change of the point costs nothing
-    ways = [way_over(places[:, k], height[:, k], stage.repertoire.fps) for k in (0, 1)]
-    spans = [(k, a, b) for k in (0, 1) for a, b in contacts.runs(found.feet[:, k])]
-    all_of_them = (_Slide(k, a, b, _spread(ways[k][a:b]) - LET_PASS) for k, a, b in spans)
-    return [slide for slide in all_of_them if slide.more > 0.0]
+    spans = [contacts.runs(found.feet[:, k]) for k in (0, 1)]
+    far = [spreads(way_of(steps), runs) - LET_PASS for steps, runs in zip(stood.steps(places), spans, strict=True)]
+    return [_Slide(k, *spans[k][n], float(far[k][n])) for k in (0, 1) for n in np.flatnonzero(far[k] > 0.0).tolist()]
 
 
 def _frames_of(slides: list[_Slide], frames: int, around: int) -> Mask:
@@ -251,14 +282,6 @@ def _frames_of(slides: list[_Slide], frames: int, around: int) -> Mask:
     for slide in slides:
         out[max(0, slide.start - around) : slide.stop + around, slide.foot] = True
     return out
-
-
-def _spread(way: Array) -> float:
-    """How far apart the places of a way over the floor are at most, metres: shape (frames, 2). However the way is turned."""
-    x, z = (way - way.mean(axis=0)).T
-    along = 0.5 * np.arctan2(2.0 * (x @ z), x @ x - z @ z)
-    directions = along + np.arange(8) * np.pi / 8.0
-    return float(np.ptp(np.outer(x, np.cos(directions)) + np.outer(z, np.sin(directions)), axis=0).max())
 
 
 def _apart(stage: Stage, known: Kinematics) -> Array:
@@ -315,6 +338,7 @@ def _planted(
     stiff: Stiffness,
     bounds: Bounds,
     adrift: float,
+    stood: _Stood,
 ) -> Footed:
     repertoire, legs = stage.repertoire, stage.legs
     skeleton, fps = repertoire.skeleton, repertoire.fps
@@ -322,8 +346,7 @@ def _planted(
     soles = stage.soles.place(known.positions, known.rotations)
     ankles = known.positions[:, list(legs.feet)]
     lowest = _lowest(soles)
-    height = soles[..., 1] - stage.levels
-    slid = np.stack([steps_of(soles[:, k], height[:, k], fps) for k in (0, 1)], axis=1)
+    slid = np.stack(stood.steps(soles), axis=1)
     grip = np.stack([_grip(gripped[:, k], fps) * _firmly(gripped[:, k], fps) for k in (0, 1)], axis=-1)
     press = np.stack([held_around(standing[:, k], LIFT * fps) for k in (0, 1)], axis=-1)
     gripping = np.minimum(grip[1:], grip[:-1])

@@ -20,6 +20,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from kinesics import compiled
 from kinesics.body import kinematics
 from kinesics.body.kinematics import Kinematics
 from kinesics.geometry import quaternion
@@ -148,10 +149,15 @@ def taut(low: Array, high: Array, at: Array) -> Array:
     ----------
     at : where along the tube each frame lies, rising, shape (frames,).
     """
+    if compiled.wanted():
+        found = np.empty((2, 2 * len(low)))
+        bounds = (np.ascontiguousarray(values, dtype=np.float64) for values in (low, high, at))
+        count = compiled.native.taut(*bounds, *found)
+        return np.asarray(np.interp(at, *found[:, :count])) if count else _unbent(low, high)
     floor, ceiling, place = low.tolist(), high.tolist(), at.tolist()
     begin, end = _level(floor, ceiling), _level(floor[::-1], ceiling[::-1])
     if begin is None or end is None:
-        return np.full(len(low), min(max(float(np.mean(0.5 * (low + high))), max(floor)), min(ceiling)))
+        return _unbent(low, high)
     floor[0] = ceiling[0] = begin
     floor[-1] = ceiling[-1] = end
     # a funnel: from the last corner on, the hulls of what the string may have to go round below and above it
@@ -173,6 +179,11 @@ def taut(low: Array, high: Array, at: Array) -> Array:
             hull.append(point)
     corners.append((place[-1], end))
     return np.asarray(np.interp(at, *np.array(corners).T))
+
+
+def _unbent(low: Array, high: Array) -> Array:
+    """A level line in a tube that has room for one, as near the middle as there is: shape (frames,)."""
+    return np.full(len(low), min(max(float(np.mean(0.5 * (low + high))), float(low.max())), float(high.min())))
 
 
 def _slope(a: tuple[float, float], b: tuple[float, float]) -> float:
