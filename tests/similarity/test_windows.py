@@ -35,6 +35,10 @@ def shifted_sum(d, length):
     return sum(d[k : k + rows, k : k + columns].astype(np.float64) for k in range(length))
 
 
+_SINGLE = 5e-6
+"""By which D, found in single precision, differs from one code path to another; 2.4e-6 was found in thousands of examples."""
+
+
 @given(
     seed=st.integers(0, 2**32 - 1),
     rows=st.integers(1, 420),
@@ -56,8 +60,10 @@ def test_across_the_borders_of_parts(seed, rows, columns, share, itself):
         with pytest.MonkeyPatch.context() as patch:
             patch.setenv("KINESICS_KERNEL", path)
             found = diagonal_sums(a, b, length=length)
-        np.testing.assert_allclose(found.d, shifted_sum(d, length), atol=2e-6 * length)
-        np.testing.assert_allclose(found.d_mirror, shifted_sum(mirror_distance(a, other), length), atol=2e-6 * length)
+        np.testing.assert_allclose(found.d, shifted_sum(d, length), atol=_SINGLE * length)
+        np.testing.assert_allclose(
+            found.d_mirror, shifted_sum(mirror_distance(a, other), length), atol=_SINGLE * length
+        )
 
 
 def test_finds_the_four_relations(rng):
