@@ -35,8 +35,9 @@ def shifted_sum(d, length):
     return sum(d[k : k + rows, k : k + columns].astype(np.float64) for k in range(length))
 
 
-_SINGLE = 5e-6
-"""By which D, found in single precision, differs from one code path to another; 2.4e-6 was found in thousands of examples."""
+_SINGLE = 2e-5
+"""By which D differs from one code path to another: where two pelvises are upside down to each other it goes with the root of what
+single precision rounds, 2.4e-4, of which a pelvis is a fifteenth; elsewhere they agree to 4e-7."""
 
 
 @given(
