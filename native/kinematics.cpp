@@ -23,8 +23,9 @@ using Out3 = nb::ndarray<double, nb::shape<-1, -1, -1>, nb::c_contig, nb::device
 using Parents = nb::ndarray<const std::int32_t, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
 
 constexpr std::int64_t kFramesAtOnce = 256;
-// Below this much work starting threads costs more than it saves.
-constexpr std::int64_t kThreadedJoints = 1 << 15;
+// Below this much work, some 15 ms, threads cost more than they save: between calls they wait by spinning, and a performance, which
+// asks for many such calls, was made half as quickly with two of them as with one where anything else ran.
+constexpr std::int64_t kThreadedJoints = 1 << 19;
 
 // One frame. World rotations go to `world`; positions only when wanted. Of all joints but the root those in `order`.
 template <bool Positions>
