@@ -214,7 +214,7 @@ def loaded(path: Path):
 
 def test_the_file_holds_the_figure_as_a_viewer_sees_it(tmp_path, rng) -> None:
     """Skinned by the definition, from the file's own nodes, keys and matrices: where `Figure.posed` has it, in 5e-5 m."""
-    from kinesics.body import anatomy, figure
+    from kinesics.body import anatomy, contacts, figure
 
     motion = anatomy.understood(walk())
     kx.write(motion, tmp_path / "a.glb")
@@ -238,12 +238,52 @@ def test_the_file_holds_the_figure_as_a_viewer_sees_it(tmp_path, rng) -> None:
     parents = [next((i for i, n in enumerate(nodes) if k in (n.children or ())), -1) for k in range(len(nodes))]
     tree = SimpleNamespace(parents=parents, offsets=shifts)
     matrices = skinning.world_matrices(tree, quaternion.normalize(quaternion.from_scalar_last(turns)), roots)
-    skin = figure.fit(motion.skeleton).posed(motion[frame])[0]
+    skin = figure.fit(motion.skeleton, soles=contacts.soles(motion)).posed(motion[frame])[0]
     for v in rng.integers(0, len(places), 60):
         twin = skinning.skinned(places[v], joints[v], weights[v], binds, matrices)
         # turns of helpers have 16 bits
         assert np.abs(twin - skin[v]).max() < 5e-5
     assert abs(weights.sum(axis=1) - 1.0).max() < 1e-6
+
+
+def vertices(path: Path) -> np.ndarray:
+    """Of the figure in a file, in the binding pose."""
+    document, numbers = loaded(path)
+    return numbers(document.meshes[0].primitives[0].attributes.POSITION)
+
+
+def test_the_figure_stands_on_the_soles_that_are_given(tmp_path) -> None:
+    """Those of the caller; else those of the motion; else, where legs have no ends and nothing is found, as it rests."""
+    from kinesics.body import anatomy, contacts, figure
+
+    motion = anatomy.understood(walk())
+    found = contacts.soles(motion)
+    # the same feet in higher heels
+    places = found.offsets.copy()
+    places[:, 0, 1] -= 0.03
+    other = contacts.Soles(found.joints, places)
+    for name, soles in (("found.glb", None), ("given.glb", other)):
+        kx.formats.write(motion, tmp_path / name, soles=soles)
+        expected = figure.fit(motion.skeleton, soles=found if soles is None else soles).vertices
+        np.testing.assert_allclose(vertices(tmp_path / name), expected, atol=1e-6)
+    assert np.abs(vertices(tmp_path / "found.glb") - vertices(tmp_path / "given.glb")).max() > 0.01
+    assert kx.formats.write(motion, tmp_path / "a.bvh", soles=other) == ()
+
+    legs = bodies.legs_striding(5)
+    keep = [j for j, name in enumerate(legs.skeleton.joint_names) if not name.endswith("Foot")]
+    footless = kx.Motion(
+        kx.Skeleton(
+            tuple(legs.skeleton.joint_names[j] for j in keep),
+            tuple(keep.index(p) if p >= 0 else -1 for p in (legs.skeleton.parents[j] for j in keep)),
+            legs.skeleton.offsets[keep],
+        ),
+        legs.rotations[:, keep],
+        legs.root_positions,
+        legs.fps,
+    )
+    kx.write(footless, tmp_path / "footless.glb")
+    rests = figure.fit(anatomy.understood(footless).skeleton).vertices
+    np.testing.assert_allclose(vertices(tmp_path / "footless.glb"), rests, atol=1e-6)
 
 
 def test_helpers_are_no_joints(tmp_path) -> None:

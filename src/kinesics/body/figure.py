@@ -5,7 +5,8 @@ The template (figure_template.py) is fitted to a skeleton's own bone lengths, le
 movement. Vertices then follow the joints, and helpers that stand at them (figure_skin.py), by linear blend skinning
 (Magnenat-Thalmann, Laperrière, Thalmann 1988), as glTF prescribes it.
 
-Fingers are part of the hand, and each hand is one rigid piece.
+Fingers are part of the hand, and each hand is one rigid piece. Feet are bound as they stand flat, where their soles are known: how
+a skeleton rests says little of that.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.body import kinematics
+from kinesics.body.feet import Soles
 from kinesics.body.figure_fitting import ARMS_DOWN, ankle_height, binding_pose, body_size, fitted, landmarks
 from kinesics.body.figure_skin import (
     MOST_JOINTS,
@@ -108,13 +110,15 @@ class Figure:
         return out
 
 
-def fit(skeleton: Skeleton, offsets: Array | None = None) -> Figure:
+def fit(skeleton: Skeleton, offsets: Array | None = None, soles: Soles | None = None) -> Figure:
     """The figure on a skeleton.
 
     Parameters
     ----------
     skeleton : one that carries its anatomy (`kinesics.body.anatomy.understood`).
     offsets : of the joints from their parents, metres, shape (joints, 3), where they are not the skeleton's.
+    soles : of the body (`kinesics.body.contacts.soles`): the figure's own lie where these do as the feet stand flat. Without them
+        feet are taken to stand as they rest.
 
     Raises
     ------
@@ -126,8 +130,8 @@ def fit(skeleton: Skeleton, offsets: Array | None = None) -> Figure:
         raise SkeletonError("A figure needs a human body, and this skeleton is not understood as one.")
     offsets = skeleton.offsets if offsets is None else offsets
     template = mannequin()
-    rotations, positions = binding_pose(skeleton, body, offsets)
-    marks = landmarks(skeleton, body, rotations, positions)
+    rotations, positions = binding_pose(skeleton, body, offsets, soles)
+    marks = landmarks(skeleton, body, rotations, positions, soles)
     size = body_size(marks)
     sole = min(marks[f"{side}_ankle"][1] - ankle_height(marks, side, size) for side in SIDES)
     middle = marks["hips"]

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.body.anatomy import Anatomy
+from kinesics.body.feet import POINTS, Soles
 from kinesics.body.figure_template import SIDES, Template, mannequin
 from kinesics.body.skeleton import Skeleton
 from kinesics.errors import SkeletonError
@@ -21,6 +22,21 @@ ARMS_DOWN: Final = np.pi / 4
 """Radians below the horizontal, in the binding pose."""
 _FOREFOOT: Final = np.array([0.0, -0.40, 0.92])
 """Direction from ankle to ball of the foot where the rest pose has none."""
+_ANKLE_HEIGHTS: Final = (0.5, 1.6)
+"""Least and most of the ankle's height over the template's, where soles are known."""
+_MOST_PITCH: Final = np.pi / 4
+_MOST_ROLL: Final = np.radians(25.0)
+"""Radians that feet are turned by from how they rest."""
+_ROLL_SHARE: Final = 0.5
+"""Of the roll that soles tell: they are found where ankles are lowest, when feet are rolled farther than they mostly are."""
+_FOREFOOT_LENGTHS: Final = (0.55, 1.3)
+"""Least and most of the toes' length over the template's, where soles are known."""
+_TOE_SPRING: Final = 0.003
+"""Metres that the toes' end is raised by in the template."""
+_SPRING_BEYOND: Final = 0.4
+"""Share of what it is too long for the sole that it is raised by besides."""
+_EDGE: Final = 0.005
+"""Metres that the edges of the sole are raised by in the template, as feet are soft there."""
 _MEASURES: Final = (
     ("hips", "shoulders"),
     *(
@@ -31,8 +47,8 @@ _MEASURES: Final = (
 )
 
 
-def binding_pose(skeleton: Skeleton, body: Anatomy, offsets: Array) -> tuple[Array, Array]:
-    """World orientations and positions of all joints, the root at the origin."""
+def binding_pose(skeleton: Skeleton, body: Anatomy, offsets: Array, soles: Soles | None = None) -> tuple[Array, Array]:
+    """World orientations and positions of all joints, the root at the origin; feet stand flat, where their soles are known."""
     roles = body.roles
     let_down = {
         side: quaternion.from_axis_angle([0.0, 0.0, 1.0], -ARMS_DOWN if side == "left" else ARMS_DOWN) for side in SIDES
@@ -64,6 +80,8 @@ def binding_pose(skeleton: Skeleton, body: Anatomy, offsets: Array) -> tuple[Arr
                 forearm = quaternion.rotate(world[parent], offsets[j])
                 swing = _straightened(_reach(skeleton, offsets, j), forearm, world[j])
             world[j] = quaternion.multiply(swing, world[j])
+            if soles is not None:
+                world[j] = quaternion.multiply(_levelling(soles, j, parent, world, offsets[j]), world[j])
     positions = np.zeros((skeleton.joint_count, 3))
     for j, parent in enumerate(skeleton.parents):
         if parent >= 0:
@@ -88,6 +106,46 @@ def _forefoot_swing(skeleton: Skeleton, offsets: Array, toes: int | None, foot: 
     return quaternion.identity() if now[2] > 0.5 else quaternion.between(now, _FOREFOOT)
 
 
+def _levelling(soles: Soles, joint: int, parent: int, world: Array, offset: Array) -> Array:
+    """Turns a foot until heel and ball are level and the ankle is straight above the line between them, as soles are found
+    (feet.py), and pitches toes until their tip is as low as the ball."""
+    for points, places in zip(soles.joints, soles.offsets, strict=True):
+        heel, ball, tip = (int(k) for k in points)
+        if joint == heel == ball:
+            pitch = _pitched(quaternion.rotate(world[joint], places[1] - places[0]), 0.0)
+            pitched = quaternion.multiply(pitch, world[joint])
+            return quaternion.multiply(_rolled(*quaternion.rotate(pitched, places[:2])), pitch)
+        if joint == tip != ball == parent:
+            # from the toe joint, beneath which the ball lies
+            drop = quaternion.rotate(world[ball], places[1] - offset)[1]
+            return _pitched(quaternion.rotate(world[joint], places[2]), float(drop))
+    return quaternion.identity()
+
+
+def _pitched(along: Array, drop: float) -> Array:
+    """The turn about a level axis that lets the end of what points along lie so far up."""
+    flat, length = np.linalg.norm(along[[0, 2]]), np.linalg.norm(along)
+    if flat < 1e-3 or length <= abs(drop):
+        return quaternion.identity()
+    turn = np.arcsin(drop / length) - np.arctan2(along[1], flat)
+    return quaternion.from_axis_angle([-along[2] / flat, 0.0, along[0] / flat], _within(turn, _MOST_PITCH))
+
+
+def _rolled(heel: Array, ball: Array) -> Array:
+    """The turn about the level line from heel to ball that brings it straight below the ankle, which both are seen from."""
+    along = (ball - heel) * [1.0, 0.0, 1.0]
+    length = np.linalg.norm(along)
+    if length < 1e-3:
+        return quaternion.identity()
+    along = along / length
+    sideways = float(np.cross([0.0, 1.0, 0.0], along) @ heel)
+    return quaternion.from_axis_angle(along, _within(-_ROLL_SHARE * np.arctan2(sideways, -heel[1]), _MOST_ROLL))
+
+
+def _within(angle: float, most: float) -> float:
+    return float(np.clip(angle, -most, most))
+
+
 def _straightened(bone: Array, along: Array, world: Array) -> Array:
     """Turns a hand that rests across the forearm to go on along it."""
     if min(np.linalg.norm(bone), np.linalg.norm(along)) < 1e-6:
@@ -97,8 +155,10 @@ def _straightened(bone: Array, along: Array, world: Array) -> Array:
     return quaternion.identity() if cosine > 0.5 else quaternion.between(now, along)
 
 
-def landmarks(skeleton: Skeleton, body: Anatomy, world: Array, positions: Array) -> dict[str, Array]:
-    """The template's landmarks on the skeleton."""
+def landmarks(
+    skeleton: Skeleton, body: Anatomy, world: Array, positions: Array, soles: Soles | None = None
+) -> dict[str, Array]:
+    """The template's landmarks on the skeleton; heel, ball and tip of the soles, where these are known, as "left_sole_heel" …"""
     roles, template = body.roles, mannequin().points
     out: dict[str, Array] = {"skull": positions[roles.head]}
     for side in SIDES:
@@ -125,6 +185,9 @@ def landmarks(skeleton: Skeleton, body: Anatomy, world: Array, positions: Array)
                 out[f"{side}_{end}"] = positions[lower] + quaternion.rotate(world[lower], tip)
         if joint["toes"] is not None:
             out[f"{side}_ball"] = positions[joint["toes"]]
+    if soles is not None:
+        for side, places in zip(SIDES, soles.place(positions[None], world[None])[0], strict=True):
+            out |= {f"{side}_sole_{name}": place for name, place in zip(POINTS, places, strict=True)}
     out["hips"] = (out["left_hip"] + out["right_hip"]) / 2
     out["shoulders"] = (out["left_shoulder"] + out["right_shoulder"]) / 2
     return out
@@ -143,9 +206,12 @@ def body_size(marks: dict[str, Array]) -> float:
 
 
 def ankle_height(marks: dict[str, Array], side: str, size: float) -> float:
-    """Of the ankle above the sole, judged by how far the ball of the foot lies below it."""
+    """Of the ankle above the sole: as it is known, else judged by how far the ball of the foot lies below it."""
     template = mannequin().points
     usual = size * template[f"{side}_ankle"][1]
+    if f"{side}_sole_heel" in marks:
+        level = (marks[f"{side}_sole_heel"][1] + marks[f"{side}_sole_ball"][1]) / 2.0
+        return float(np.clip(marks[f"{side}_ankle"][1] - level, *(f * usual for f in _ANKLE_HEIGHTS)))
     if f"{side}_ball" not in marks:
         return float(usual)
     drop = marks[f"{side}_ankle"][1] - marks[f"{side}_ball"][1] + size * template[f"{side}_ball"][1]
@@ -182,7 +248,7 @@ def _hand_carried(p: Array, source: dict[str, Array], marks: dict[str, Array], s
 
 
 def _foot_carried(p: Array, source: dict[str, Array], marks: dict[str, Array], side: str, size: float) -> Array:
-    """From the ankle, as high as it stands, as long as to the ball of the foot."""
+    """From the ankle, as high as it stands, as long as to the ball of the foot, and on to the tip of the sole where it is known."""
     p0, q0, ball = source[f"{side}_ankle"], marks[f"{side}_ankle"], source[f"{side}_ball"]
     height = ankle_height(marks, side, size) / p0[1]
     length = size
@@ -193,7 +259,23 @@ def _foot_carried(p: Array, source: dict[str, Array], marks: dict[str, Array], s
         length *= float(np.clip(np.linalg.norm(flat) / (size * np.linalg.norm(own)), 0.8, 1.25))
         if np.linalg.norm(flat) > 0.02 * size:
             turn = quaternion.between(own, flat)
-    return np.asarray(q0 + quaternion.rotate(turn, (p - p0) * [size, height, length]))
+    out = (p - p0) * [size, height, length]
+    if f"{side}_sole_tip" in marks:
+        toes = source[f"{side}_toes"][2] - ball[2]
+        reach = np.linalg.norm((marks[f"{side}_sole_tip"] - q0)[[0, 2]]) - length * (ball[2] - p0[2])
+        ratio = float(np.clip(reach / (size * toes), *_FOREFOOT_LENGTHS))
+        out[:, 2] += (size * ratio - length) * np.maximum(p[:, 2] - ball[2], 0.0)
+        # what is longer than the sole has to come down beyond its tip
+        spring = _TOE_SPRING * size + _SPRING_BEYOND * float(np.clip(size * ratio * toes - reach, 0.0, 0.03 * size))
+        out[:, 1] += spring * np.clip((p[:, 2] - ball[2]) / toes, 0.0, 1.2) ** 1.5
+        out[:, 1] += size * _rounding(p, ball)
+    return np.asarray(q0 + quaternion.rotate(turn, out))
+
+
+def _rounding(p: Array, ball: Array) -> Array:
+    """By how much the sole's edges are raised, more than they are in the template: a foot that rolls does so over them."""
+    out = np.clip((np.abs(p[:, 0] - ball[0]) - 0.015) / 0.03, 0.0, 1.0) ** 2
+    return np.asarray(_EDGE * out * np.clip(1.0 - p[:, 1] / 0.03, 0.0, 1.0))
 
 
 def _trunk_carried(template: Template, p: Array, marks: dict[str, Array], size: float) -> Array:

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesics.body import anatomy, kinematics
+from kinesics.body.feet import Soles
 from kinesics.body.motion import Motion, Source
 from kinesics.errors import FileError, InputError, SkeletonError
 from kinesics.formats.registry import (
@@ -131,6 +132,7 @@ def write(
     *,
     overwrite: bool = False,
     extras: Mapping[str, NDArray[Any]] | None = None,
+    soles: Soles | None = None,
 ) -> tuple[str, ...]:
     """Write a motion; the suffix decides the format. Files appear whole or not at all.
 
@@ -140,6 +142,8 @@ def write(
     ----------
     overwrite : replace files that are there.
     extras : arrays that belong to the motion, by name; only .npz has room for them (`read_extras` gives them back).
+    soles : of the body, where they are known: the figure of .glb and .gltf stands on them. Otherwise they are found in the motion,
+        and where no foot stands in it, the figure's feet are flat as the skeleton rests.
 
     Returns
     -------
@@ -160,7 +164,10 @@ def write(
     if extras and chosen.extras is not None:
         written = chosen.extras(motion, path, extras)
     else:
-        written = chosen.write(motion, path)
+        if soles is not None and chosen.on_soles is not None:
+            written = chosen.on_soles(motion, path, soles)
+        else:
+            written = chosen.write(motion, path)
         if extras:
             left_out = f"{chosen.title} has no room for {', '.join(extras)}: left out (.npz has)"
             written = dataclasses.replace(written, remarks=(*written.remarks, left_out))

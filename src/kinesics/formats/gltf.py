@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from kinesics.body import anatomy, figure
+from kinesics.body import anatomy, contacts, figure
+from kinesics.body.feet import Soles
 from kinesics.body.figure import Figure
 from kinesics.body.motion import Motion
 from kinesics.errors import InputError, SkeletonError
@@ -46,8 +47,12 @@ def sniff(head: bytes) -> bool:
     return start.startswith(b"{") and any(word in start for word in (b'"asset"', b'"accessors"', b'"bufferViews"'))
 
 
-def write(motion: Motion, path: Path) -> Written:
+def write(motion: Motion, path: Path, soles: Soles | None = None) -> Written:
     """The motion as glTF, worn by a human figure where it has a human skeleton.
+
+    Parameters
+    ----------
+    soles : that the figure stands on; found in the motion unless given.
 
     Raises
     ------
@@ -58,7 +63,7 @@ def write(motion: Motion, path: Path) -> Written:
     body: Figure | None = None
     try:
         motion = anatomy.understood(motion)
-        body = figure.fit(motion.skeleton, _usual_offsets(motion))
+        body = figure.fit(motion.skeleton, _usual_offsets(motion), _soles_of(motion) if soles is None else soles)
     except SkeletonError:
         remarks.append(
             "the skeleton is not understood as a human body (--map names its joints): written as bare joints and their "
@@ -79,6 +84,15 @@ def write(motion: Motion, path: Path) -> Written:
     else:
         data = b"".join(bytes(part) for part in document.save_to_bytes())
     return Written(((path, data),), tuple(remarks))
+
+
+def _soles_of(motion: Motion) -> Soles | None:
+    """Those of the body in a recording; None where one of its feet never stands."""
+    try:
+        found = contacts.contacts(motion)
+    except SkeletonError:  # legs without ends still have flesh
+        return None
+    return found.soles if found.points[:, :, :2].all(axis=-1).any(axis=0).all() else None
 
 
 def _usual_offsets(motion: Motion) -> Array | None:
@@ -292,4 +306,5 @@ FORMAT: Final = Format(
     sniff=sniff,
     read=gltf_reading.read,
     write=write,
+    on_soles=write,
 )

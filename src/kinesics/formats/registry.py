@@ -18,6 +18,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from kinesics.body.feet import Soles
 from kinesics.body.motion import Motion, Source
 from kinesics.body.skeleton import Skeleton
 from kinesics.errors import FileError, InputError
@@ -91,6 +92,8 @@ class Format:
     """To the bytes to be put at a path."""
     extras: Callable[[Motion, Path, Mapping[str, NDArray[Any]]], Written] | None = None
     """As ``write``, with further arrays by name, where the format has room for them."""
+    on_soles: Callable[[Motion, Path, Soles], Written] | None = None
+    """As ``write``, by a body whose soles are known, where the format has a figure that stands on them."""
 
 
 @cache

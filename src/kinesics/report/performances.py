@@ -183,7 +183,7 @@ def save_performance(piece: Piece, paths: Paths, *, overwrite: bool = False, pro
             progress(0.6 + 0.4 * number / len(targets), f"writing {target.name}")
             room = stack.enter_context(_room_beside(target))
             extras = piece.extras() if target.suffix.lower() == ".npz" else None
-            said = formats.write(piece.motion, room / target.name, extras=extras)
+            said = formats.write(piece.motion, room / target.name, extras=extras, soles=piece.performance.soles)
             remarks += said if len(targets) == 1 else [f"{target.name}: {line}" for line in said]
             _, provenance, image = files_of(target)
             together = [t.name for t in targets if files_of(t)[1] == provenance]
