@@ -238,7 +238,9 @@ def test_the_file_holds_the_figure_as_a_viewer_sees_it(tmp_path, rng) -> None:
     parents = [next((i for i, n in enumerate(nodes) if k in (n.children or ())), -1) for k in range(len(nodes))]
     tree = SimpleNamespace(parents=parents, offsets=shifts)
     matrices = skinning.world_matrices(tree, quaternion.normalize(quaternion.from_scalar_last(turns)), roots)
-    skin = figure.fit(motion.skeleton, soles=contacts.soles(motion)).posed(motion[frame])[0]
+    skin = figure.fit(motion.skeleton, soles=contacts.contacts(motion).soles_as_they_bear(motion)).posed(motion[frame])[
+        0
+    ]
     for v in rng.integers(0, len(places), 60):
         twin = skinning.skinned(places[v], joints[v], weights[v], binds, matrices)
         # turns of helpers have 16 bits
@@ -257,7 +259,7 @@ def test_the_figure_stands_on_the_soles_that_are_given(tmp_path) -> None:
     from kinesics.body import anatomy, contacts, figure
 
     motion = anatomy.understood(walk())
-    found = contacts.soles(motion)
+    found = contacts.contacts(motion).soles_as_they_bear(motion)
     # the same feet in higher heels
     places = found.offsets.copy()
     places[:, 0, 1] -= 0.03

@@ -12,6 +12,7 @@ the sole bears while it is low and slow (touching.py). The floor is a plane (flo
 from __future__ import annotations
 
 import dataclasses
+import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -23,6 +24,7 @@ from kinesics.body.floor import Floor
 from kinesics.body.motion import Motion
 from kinesics.body.runs import runs
 from kinesics.body.touching import Touching, touching
+from kinesics.geometry import quaternion
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -62,6 +64,23 @@ class Contacts:
     """Speed below which a point begins to bear, m/s."""
     stature: float
     """Of the body, told by its legs, metres."""
+
+    def soles_as_they_bear(self, motion: Motion) -> Soles:
+        """The soles, each point where it lies on the floor as it usually bears in the motion that they were found in.
+
+        They were found as feet stood flat, or from the skeleton where none does; a heel taken for a corner, which is round, then
+        dips below the floor as it comes down, and legs would have to be bent to lift what never was that low.
+        """
+        level = 0.5 * (self.levels + self.levels[::-1])
+        offsets = self.soles.offsets.copy()
+        rotations = motion.global_rotations()
+        for foot, point in itertools.product((0, 1), range(offsets.shape[1])):
+            bears = self.points[:, foot, point]
+            if bears.any():
+                carrier = rotations[bears, self.soles.joints[foot, point]]
+                up = quaternion.rotate(quaternion.conjugate(carrier), np.array([0.0, 1.0, 0.0])).mean(axis=0)
+                offsets[foot, point] -= level[foot, point] * up / np.linalg.norm(up)
+        return dataclasses.replace(self.soles, offsets=offsets)
 
 
 def foot_contacts(motion: Motion, mapping: Mapping[str, object] | None = None) -> Mask:

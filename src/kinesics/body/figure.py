@@ -117,7 +117,7 @@ def fit(skeleton: Skeleton, offsets: Array | None = None, soles: Soles | None = 
     ----------
     skeleton : one that carries its anatomy (`kinesics.body.anatomy.understood`).
     offsets : of the joints from their parents, metres, shape (joints, 3), where they are not the skeleton's.
-    soles : of the body (`kinesics.body.contacts.soles`): the figure's own lie where these do as the feet stand flat. Without them
+    soles : of the body (`kinesics.body.contacts`): the figure's own lie where these do as the feet stand flat. Without them
         feet are taken to stand as they rest.
 
     Raises

@@ -92,7 +92,7 @@ def _soles_of(motion: Motion) -> Soles | None:
         found = contacts.contacts(motion)
     except SkeletonError:  # legs without ends still have flesh
         return None
-    return found.soles if found.points[:, :, :2].all(axis=-1).any(axis=0).all() else None
+    return found.soles_as_they_bear(motion) if found.points[:, :, :2].all(axis=-1).any(axis=0).all() else None
 
 
 def _usual_offsets(motion: Motion) -> Array | None:

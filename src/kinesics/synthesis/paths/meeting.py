@@ -8,8 +8,6 @@ while one does, and alone decide in flight. What the pelvis is then off is blend
 
 from __future__ import annotations
 
-import dataclasses
-import itertools
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -17,9 +15,8 @@ from numpy.typing import NDArray
 
 from kinesics.body import contacts as _contacts
 from kinesics.body import kinematics
-from kinesics.body.contacts import Contacts, Floor, Soles
+from kinesics.body.contacts import Floor, Soles
 from kinesics.body.motion import Motion
-from kinesics.geometry import quaternion
 from kinesics.synthesis.repertoire import Repertoire
 
 Array = NDArray[np.float64]
@@ -58,25 +55,7 @@ def same_soles(body: Repertoire, other: Repertoire) -> None:
 
 def _found(repertoire: Repertoire) -> Soles:
     whole = Motion(repertoire.skeleton, repertoire.rotations[0], repertoire.root_positions[0], repertoire.fps)
-    return _on_the_floor(_contacts.contacts(whole, ground=Floor(0.0)), whole)
-
-
-def _on_the_floor(found: Contacts, motion: Motion) -> Soles:
-    """The soles, each point where it lies on the floor as it usually bears.
-
-    They were found as feet stood flat, or from the skeleton where none does; a heel taken for a corner, which is round, then
-    dips below the floor as it comes down, and legs would have to be bent to lift what never was that low.
-    """
-    level = 0.5 * (found.levels + found.levels[::-1])
-    offsets = found.soles.offsets.copy()
-    rotations = motion.global_rotations()
-    for foot, point in itertools.product((0, 1), range(offsets.shape[1])):
-        bears = found.points[:, foot, point]
-        if bears.any():
-            carrier = rotations[bears, found.soles.joints[foot, point]]
-            up = quaternion.rotate(quaternion.conjugate(carrier), np.array([0.0, 1.0, 0.0])).mean(axis=0)
-            offsets[foot, point] -= level[foot, point] * up / np.linalg.norm(up)
-    return dataclasses.replace(found.soles, offsets=offsets)
+    return _contacts.contacts(whole, ground=Floor(0.0)).soles_as_they_bear(whole)
 
 
 def soles_beneath(repertoire: Repertoire, moments: Indices) -> Array:
