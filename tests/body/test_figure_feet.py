@@ -14,6 +14,7 @@ from kinesics.body import contacts, figure
 from kinesics.body.anatomy import understood
 from kinesics.body.figure_template import mannequin
 from kinesics.geometry import quaternion
+from kinesics.report.performances import save_performance
 from naive import skinning
 
 SIDES = ("left", "right")
@@ -129,3 +130,16 @@ def test_performers_stand_on_the_floor(shared_data, name, deepest, share) -> Non
     borne = piece.performance.feet[::4]
     for k in range(2):
         assert abs(np.median(height[borne[:, k], k])) < 0.005
+
+
+def test_a_saved_performance_stands_on_its_own_soles(tmp_path) -> None:
+    """The .glb beside the provenance is the one written with the soles that the movement was made on."""
+    piece = kx.performance(tilted(15.0, 0.0, 0.0), seconds=2)
+    for name in ("saved", "given", "found"):
+        (tmp_path / name).mkdir()
+    save_performance(piece, tmp_path / "saved" / "a.glb")
+    kx.formats.write(piece.motion, tmp_path / "given" / "a.glb", soles=piece.performance.soles)
+    kx.formats.write(piece.motion, tmp_path / "found" / "a.glb")
+    saved, given_, found = ((tmp_path / name / "a.glb").read_bytes() for name in ("saved", "given", "found"))
+    assert saved == given_
+    assert saved != found
