@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 from typing import Final, NamedTuple
 
@@ -140,7 +141,8 @@ class Capsules:
         """Measured on a motion. Parameters and errors are those of `self_collisions`."""
         body = anatomy.resolve(motion) if body is None else body
         stature = estimated_stature(motion) or 0.0
-        starts, ends = _capsules(motion.skeleton, motion.positions(), motion.global_rotations(), body, stature)
+        bones = _Bones.of(motion.skeleton, body, stature)
+        starts, ends = bones.ends(motion.positions(), motion.global_rotations())
         left, right = (starts[:, _CAPSULES.index(f"{side} humerus")] for side in ("left", "right"))
         shoulders = float(np.median(np.linalg.norm(left - right, axis=-1)))
         trunk = min(_TRUNK_HALF_DEPTH * stature, _TRUNK_TO_SHOULDERS * shoulders)
@@ -154,16 +156,24 @@ class Capsules:
 
     def ends(self, positions: Array, rotations: Array) -> Ends:
         """Where the capsules are, by where all joints are in the world: (frames, joints, 3) and (frames, joints, 4)."""
-        return Ends(*_capsules(self.skeleton, positions, rotations, self.body, self.stature))
+        return self._bones.ends(positions, rotations)
 
     def depths(self, positions: Array, rotations: Array, *, least: float = 0.0) -> Array:
         """Metres by which each pair interpenetrates, −∞ where by less than about ``least``: shape (frames, pairs)."""
+        bones, a, b, reach = self._looked_at
+        return depths_between(bones.ends(positions, rotations), a, b, reach, least=least)
+
+    @cached_property
+    def _bones(self) -> _Bones:
+        return _Bones.of(self.skeleton, self.body, self.stature)
+
+    @cached_property
+    def _looked_at(self) -> tuple[_Bones, Indices, Indices, Array]:
+        """The capsules that any pair is of; of each pair the two among these, and the sum of their radii."""
         a, b = np.array(self.pairs, dtype=np.intp).reshape(-1, 2).T
-        reach = self.radii[a] + self.radii[b]
-        looked_at, places = np.unique(np.concatenate([a, b]), return_inverse=True)
-        starts, ends = _capsules(self.skeleton, positions, rotations, self.body, self.stature, looked_at.tolist())
-        a, b = places.reshape(2, -1)
-        return depths_between(Ends(starts, ends), a, b, reach, least=least)
+        which, places = np.unique(np.concatenate([a, b]), return_inverse=True)
+        first, second = places.reshape(2, -1)
+        return self._bones.of_some(which.tolist()), first, second, self.radii[a] + self.radii[b]
 
 
 def depths_between(capsules: Ends, a: Indices, b: Indices, reach: Array, *, least: float = 0.0) -> Array:
@@ -238,50 +248,88 @@ def capsule_radius(segment: str, stature: float) -> float:
     return float(radius * stature / REFERENCE_STATURE)
 
 
-def _capsules(
-    skeleton: Skeleton,
-    positions: Array,
-    world: Array,
-    body: Anatomy,
-    stature: float,
-    which: Sequence[int] = range(len(_CAPSULES)),
-) -> tuple[Array, Array]:
-    """Both ends of every capsule, or of some, metres, shape (frames, capsules, 3) each."""
+class _Bones(NamedTuple):
+    """From which joints capsules reach to which."""
 
-    def at(role: str) -> Array:
-        joint = getattr(body, role)
-        assert joint is not None
-        return np.asarray(positions[:, joint])
+    joints: Indices
+    """Where each starts and ends, all starts before all ends, shape (2 capsules,)."""
+    between: tuple[tuple[int, tuple[int, ...]], ...]
+    """Of the same the ends that lie between several joints instead."""
+    tips: tuple[tuple[int, Array], ...]
+    """Those that lie at a place in the frame of their joint, metres."""
+    beyond: tuple[tuple[int, float, tuple[int, ...]], ...]
+    """Those that lie so many metres beyond their joint, straight on from other joints."""
 
-    def tip(joint: int, length: float, below: Array) -> Array:
-        """The end site farthest from the joint, else a point straight on from the bone before."""
-        sites = [np.array(s.offset) for s in skeleton.end_sites if s.parent == joint]
-        sites += [skeleton.offsets[c] for c in skeleton.children[joint]]
-        site = max(sites, key=lambda v: float(np.linalg.norm(v)), default=np.zeros(3))
-        if np.linalg.norm(site) > 0.3 * length:
-            return np.asarray(positions[:, joint] + quaternion.rotate(world[:, joint], site))
-        along = positions[:, joint] - below
-        norm = np.linalg.norm(along, axis=-1, keepdims=True)
-        return np.asarray(positions[:, joint] + length * along / np.where(norm > 0.0, norm, 1.0))
+    @classmethod
+    def of(cls, skeleton: Skeleton, body: Anatomy, stature: float) -> _Bones:
+        def at(role: str) -> int:
+            joint = getattr(body, role)
+            assert joint is not None
+            return int(joint)
 
-    hips = 0.5 * (at("left_femur") + at("right_femur"))
-    shoulders = 0.5 * (at("left_humerus") + at("right_humerus"))
-    middle = 0.5 * (hips + shoulders) if not body.spine else positions[:, body.spine[len(body.spine) // 2]]
-    starts = [hips, middle, positions[:, body.head]]
-    ends = [middle, shoulders, tip(body.head, _HEAD_LENGTH * stature, shoulders)]
-    for side in ("left", "right"):
-        for upper, lower, last in (("femur", "tibia", "foot"), ("humerus", "radius", "hand")):
-            joint = getattr(body, f"{side}_{lower}")
-            below = getattr(body, f"{side}_{last}")
-            near, hinge = at(f"{side}_{upper}"), at(f"{side}_{lower}")
-            length = _SEGMENTS[lower].length * stature
-            starts += [near, hinge]
-            ends += [hinge, tip(joint, length, near) if below is None else positions[:, below]]
-    picked = [[side[k] for k in which] for side in (starts, ends)]
-    if not picked[0]:
-        none = np.empty((len(positions), 0, 3))
-        return none, none
-    return np.stack(picked[0], axis=1), np.stack(picked[1], axis=1)
+        hips, shoulders = ((at(f"left_{part}"), at(f"right_{part}")) for part in ("femur", "humerus"))
+        middle = (body.spine[len(body.spine) // 2],) if body.spine else (*hips, *shoulders)
+        starts: list[tuple[int, ...]] = [hips, middle, (body.head,)]
+        ends: list[tuple[int, ...]] = [middle, shoulders, (body.head,)]
+        open_ends: list[tuple[int, float, tuple[int, ...]]] = [(2, _HEAD_LENGTH * stature, shoulders)]
+        for side in ("left", "right"):
+            for upper, lower, last in (("femur", "tibia", "foot"), ("humerus", "radius", "hand")):
+                near, hinge, below = at(f"{side}_{upper}"), at(f"{side}_{lower}"), getattr(body, f"{side}_{last}")
+                if below is None:
+                    open_ends.append((len(ends) + 1, _SEGMENTS[lower].length * stature, (near,)))
+                starts += [(near,), (hinge,)]
+                ends += [(hinge,), (hinge if below is None else below,)]
+        both = starts + ends
+        tips, beyond = [], []
+        for k, length, above in open_ends:
+            (joint,) = ends[k]
+            # the end site farthest from the joint, else a point straight on from the bone before
+            sites = [np.array(s.offset) for s in skeleton.end_sites if s.parent == joint]
+            sites += [skeleton.offsets[c] for c in skeleton.children[joint]]
+            site = max(sites, key=lambda v: float(np.linalg.norm(v)), default=np.zeros(3))
+            if np.linalg.norm(site) > 0.3 * length:
+                tips.append((len(starts) + k, site))
+            else:
+                beyond.append((len(starts) + k, length, above))
+        return cls(
+            np.array([joints[0] for joints in both]),
+            tuple((k, joints) for k, joints in enumerate(both) if len(joints) > 1),
+            tuple(tips),
+            tuple(beyond),
+        )
+
+    def of_some(self, which: Sequence[int]) -> _Bones:
+        """Of some of the capsules, in this order."""
+        count = len(self.joints) // 2
+        place = {k: n for n, k in enumerate([*which, *(count + w for w in which)])}
+        return _Bones(
+            self.joints[list(place)],
+            tuple((place[k], joints) for k, joints in self.between if k in place),
+            tuple((place[k], site) for k, site in self.tips if k in place),
+            tuple((place[k], length, above) for k, length, above in self.beyond if k in place),
+        )
+
+    def ends(self, positions: Array, world: Array) -> Ends:
+        """Where they are, by where all joints are in the world: (frames, joints, 3) and (frames, joints, 4)."""
+        out = positions[:, self.joints]
+        for k, joints in self.between:
+            out[:, k] = _middle(positions, joints)
+        for k, site in self.tips:
+            out[:, k] += quaternion.rotate(world[:, self.joints[k]], site)
+        for k, length, above in self.beyond:
+            along = out[:, k] - _middle(positions, above)
+            norm = np.linalg.norm(along, axis=-1, keepdims=True)
+            out[:, k] += length * along / np.where(norm > 0.0, norm, 1.0)
+        count = len(self.joints) // 2
+        return Ends(np.ascontiguousarray(out[:, :count]), np.ascontiguousarray(out[:, count:]))
+
+
+def _middle(positions: Array, joints: tuple[int, ...]) -> Array:
+    """Of two joints, or of the middles of two pairs of them, or one joint's place, shape (frames, 3)."""
+    if len(joints) == 1:
+        return np.asarray(positions[:, joints[0]])
+    half = len(joints) // 2
+    return np.asarray(0.5 * (_middle(positions, joints[:half]) + _middle(positions, joints[half:])))
 
 
 def _pairs(starts: Array, ends: Array, radii: Array, tolerance: float) -> list[tuple[int, int]]:

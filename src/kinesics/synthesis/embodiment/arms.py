@@ -33,6 +33,8 @@ SKIN: Final = FLESH / 3.0
 """Metres deeper than in the recordings from which on limbs are moved apart."""
 STEP: Final = 0.001
 """Metres, or radians, that limbs are moved to see what comes of it."""
+LEAST: Final = 1e-2
+"""Sum of squares of metres that an arm comes out for each radian that shoulders turn: where that hardly helps they turn no more."""
 GO_ROUND: Final = 0.1
 """Seconds before and after over which arms go round each other."""
 _AMOUNTS: Final = np.deg2rad(np.arange(1.0, 16.0, 1.0))
@@ -51,7 +53,7 @@ def put_arms_clear(stage: Stage, rotations: Array, roots: Array) -> None:
     Shoulders turn by the least that brings the arm out, over a stretch of time and within their range. Where that leads nowhere,
     or arms pass through something from one side to the other, they go round it.
     """
-    shoulders, of_arms = _shoulders(stage)
+    shoulders, of_arms = shoulders_and_arms(stage)
     arms = np.array([[of[a] or of[b] for a, b in stage.capsules.pairs] for of in of_arms]).reshape(2, -1)
     _go_round(stage, rotations, roots, arms, crossing=True)
     if _push_aside(stage, rotations, roots, shoulders, arms):
@@ -88,7 +90,7 @@ def _push_aside(stage: Stage, rotations: Array, roots: Array, shoulders: Indices
         change *= (room > STEP) & arms[:, worst].T[..., None]
         square = np.square(change).sum(axis=(1, 2), keepdims=True)
         back = np.zeros((len(rotations), 2, 3))
-        back[near] = -change * over[:, None, None] / np.maximum(square, 1e-2)
+        back[near] = -change * over[:, None, None] / np.maximum(square, LEAST)
         for side in (0, 1):
             turn = both_ways(back[:, side], reach)
             goes = np.flatnonzero(turn.any(axis=1))
@@ -116,7 +118,7 @@ def way_apart(ends: Ends, a: int, b: int, axes: tuple[int, ...] = (0, 1, 2)) -> 
     return out
 
 
-def _shoulders(stage: Stage) -> tuple[Indices, NDArray[np.bool_]]:
+def shoulders_and_arms(stage: Stage) -> tuple[Indices, NDArray[np.bool_]]:
     """Joints that the arms hang on, and which capsules are whose, shape (2, capsules)."""
     anatomy, names = stage.repertoire.skeleton.anatomy, stage.capsules.names
     assert anatomy is not None
@@ -177,7 +179,7 @@ class _Moment(NamedTuple):
     @classmethod
     def at(cls, stage: Stage, rotations: Array, roots: Array, share: Array) -> _Moment:
         known = kinematics.forward(stage.repertoire.skeleton, rotations, roots)
-        shoulders, of_arms = _shoulders(stage)
+        shoulders, of_arms = shoulders_and_arms(stage)
         left, right = np.moveaxis(known.positions[:, shoulders], 1, 0)
         across = left - right
         across /= np.maximum(np.linalg.norm(across, axis=-1, keepdims=True), 1e-9)

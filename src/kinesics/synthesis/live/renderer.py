@@ -24,6 +24,7 @@ from kinesics.synthesis.embodiment.rehearsal import played
 from kinesics.synthesis.embodiment.rendering import Performance, Provenance
 from kinesics.synthesis.embodiment.stage import Stage
 from kinesics.synthesis.live.blends import Blend
+from kinesics.synthesis.live.clear_arms import ClearArms
 from kinesics.synthesis.live.cuts import Cuts
 from kinesics.synthesis.live.foresight import Foresight, Stretch
 from kinesics.synthesis.live.poses import Poses
@@ -135,6 +136,7 @@ class LiveRenderer:
         self._yielding = Yielding(
             Ranges.of(self.stage), network.repertoire.skeleton.joint_count, network.repertoire.fps
         )
+        self._clear_arms = ClearArms(self.stage)
         self._anew = False
         self._foresight = Foresight.of(self.stage)
         network.edge(0, 0)  # a table that is made when first asked for
@@ -205,6 +207,7 @@ class LiveRenderer:
                 if blend.cut == self._frame:
                     self._treading.leap(blend.leap)
             root = self._treading.step(rotations, root, image, frame, self._foresight.coming(self._known, self._at))
+        self._clear_arms.put_clear(rotations)
         self._at += 1
         self._frame += 1
         if self._at == playing.length:
