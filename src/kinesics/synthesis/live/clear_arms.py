@@ -38,6 +38,8 @@ class ClearArms:
         self._capsules = dataclasses.replace(stage.capsules, pairs=tuple(stage.capsules.pairs[n] for n in kept))
         self._deepest, self._moved = stage.deepest[kept] + SKIN, moved[:, kept]
         self._middle, self._low, self._high = (v[self._shoulders] for v in (stage.middle, stage.low, stage.high))
+        # what capsules look up once is looked up now, so that the first moment takes no longer than any other
+        self._over(stage.middle[None])
 
     def put_clear(self, rotations: Array) -> None:
         """Turn the shoulders of one moment so that no arm is too deep in anything: rotations of shape (joints, 4), in place."""
