@@ -33,7 +33,7 @@ SKIN: Final = FLESH / 3.0
 """Metres deeper than in the recordings from which on limbs are moved apart."""
 STEP: Final = 0.001
 """Metres, or radians, that limbs are moved to see what comes of it."""
-LEAST: Final = 1e-2
+_LEAST: Final = 1e-2
 """Sum of squares of metres that an arm comes out for each radian that shoulders turn: where that hardly helps they turn no more."""
 GO_ROUND: Final = 0.1
 """Seconds before and after over which arms go round each other."""
@@ -53,8 +53,7 @@ def put_arms_clear(stage: Stage, rotations: Array, roots: Array) -> None:
     Shoulders turn by the least that brings the arm out, over a stretch of time and within their range. Where that leads nowhere,
     or arms pass through something from one side to the other, they go round it.
     """
-    shoulders, of_arms = shoulders_and_arms(stage)
-    arms = np.array([[of[a] or of[b] for a, b in stage.capsules.pairs] for of in of_arms]).reshape(2, -1)
+    shoulders, arms = shoulders_of(stage), pairs_of_arms(stage)
     _go_round(stage, rotations, roots, arms, crossing=True)
     if _push_aside(stage, rotations, roots, shoulders, arms):
         _go_round(stage, rotations, roots, arms, crossing=False)
@@ -85,12 +84,8 @@ def _push_aside(stage: Stage, rotations: Array, roots: Array, shoulders: Indices
                 moved[:, shoulders[side]] = blending.add_rotation(middle[side], bent)
                 found = capsules.depths(*kinematics.forward(skeleton, moved, roots[near]))[np.arange(len(near)), worst]
                 change[:, side, axis] = np.where(np.isfinite(found), found - over - stage.deepest[worst], 0.0) / STEP
-        # no component that is at the end of its range helps
-        room = np.where(change > 0.0, at - low, high - at)
-        change *= (room > STEP) & arms[:, worst].T[..., None]
-        square = np.square(change).sum(axis=(1, 2), keepdims=True)
         back = np.zeros((len(rotations), 2, 3))
-        back[near] = -change * over[:, None, None] / np.maximum(square, LEAST)
+        back[near] = least_turn(change, over, arms[:, worst].T, Span(at, low, high))
         for side in (0, 1):
             turn = both_ways(back[:, side], reach)
             goes = np.flatnonzero(turn.any(axis=1))
@@ -107,6 +102,30 @@ def _push_aside(stage: Stage, rotations: Array, roots: Array, shoulders: Indices
     return bool(((capsules.depths(*known) - stage.deepest > FLESH) & arms.any(axis=0)).any())
 
 
+class Span(NamedTuple):
+    """Where the shoulders are in their range, by components of their rotation vectors, radians: shape (..., 2, 3) each."""
+
+    at: Array
+    low: Array
+    high: Array
+
+
+def least_turn(change: Array, over: Array, moved: NDArray[np.bool_], span: Span) -> Array:
+    """By how much shoulders turn to bring out what is too deep, radians, shape (..., 2, 3).
+
+    Parameters
+    ----------
+    change : metres that it gets deeper for each radian, shape (..., 2, 3).
+    over : metres that it is too deep, shape (...).
+    moved : whether it hangs on this shoulder, shape (..., 2).
+    """
+    # no component that is at the end of its range helps
+    room = np.where(change > 0.0, span.at - span.low, span.high - span.at)
+    change = change * ((room > STEP) & moved[..., None])
+    square = np.square(change).sum(axis=(-2, -1), keepdims=True)
+    return np.asarray(-change * over[..., None, None] / np.maximum(square, _LEAST))
+
+
 def way_apart(ends: Ends, a: int, b: int, axes: tuple[int, ...] = (0, 1, 2)) -> Array:
     """By how much the distance of two capsules grows as the first is moved along each axis, shape (frames, 3)."""
     first, second = (ends.starts[:, a], ends.ends[:, a]), (ends.starts[:, b], ends.ends[:, b])
@@ -118,12 +137,23 @@ def way_apart(ends: Ends, a: int, b: int, axes: tuple[int, ...] = (0, 1, 2)) -> 
     return out
 
 
-def shoulders_and_arms(stage: Stage) -> tuple[Indices, NDArray[np.bool_]]:
-    """Joints that the arms hang on, and which capsules are whose, shape (2, capsules)."""
-    anatomy, names = stage.repertoire.skeleton.anatomy, stage.capsules.names
+def shoulders_of(stage: Stage) -> Indices:
+    """Joints that the arms hang on, left and right."""
+    anatomy = stage.repertoire.skeleton.anatomy
     assert anatomy is not None
-    joints = np.array([getattr(anatomy.roles, f"{side}_humerus") for side in _SIDES])
-    return joints, np.array([[n in _ARMS and n.startswith(side) for n in names] for side in _SIDES])
+    return np.array([getattr(anatomy.roles, f"{side}_humerus") for side in _SIDES])
+
+
+def _capsules_of_arms(stage: Stage) -> NDArray[np.bool_]:
+    """Which capsules are the left arm's, and which the right one's, shape (2, capsules)."""
+    return np.array([[n in _ARMS and n.startswith(side) for n in stage.capsules.names] for side in _SIDES])
+
+
+def pairs_of_arms(stage: Stage) -> NDArray[np.bool_]:
+    """Which pairs of capsules a part of the left arm is in, and which one of the right, shape (2, pairs)."""
+    of_arms = _capsules_of_arms(stage)
+    a, b = np.array(stage.capsules.pairs, dtype=np.intp).reshape(-1, 2).T
+    return np.asarray(of_arms[:, a] | of_arms[:, b])
 
 
 def _go_round(stage: Stage, rotations: Array, roots: Array, arms: NDArray[np.bool_], *, crossing: bool) -> None:
@@ -179,14 +209,16 @@ class _Moment(NamedTuple):
     @classmethod
     def at(cls, stage: Stage, rotations: Array, roots: Array, share: Array) -> _Moment:
         known = kinematics.forward(stage.repertoire.skeleton, rotations, roots)
-        shoulders, of_arms = shoulders_and_arms(stage)
+        shoulders = shoulders_of(stage)
         left, right = np.moveaxis(known.positions[:, shoulders], 1, 0)
         across = left - right
         across /= np.maximum(np.linalg.norm(across, axis=-1, keepdims=True), 1e-9)
         ahead = np.cross(across, [0.0, 1.0, 0.0])
         ahead /= np.maximum(np.linalg.norm(ahead, axis=-1, keepdims=True), 1e-9)
         basis = np.stack([across, np.cross(ahead, across), ahead], axis=-1)
-        return cls(stage, rotations, known, stage.capsules.ends(*known), shoulders, of_arms, basis, share)
+        return cls(
+            stage, rotations, known, stage.capsules.ends(*known), shoulders, _capsules_of_arms(stage), basis, share
+        )
 
     def turned(self, side: int, turns: Array) -> Array:
         """The shoulder's rotation, turned about the axes of the basis, within its range: (ways, 3) to (ways, frames, 4)."""

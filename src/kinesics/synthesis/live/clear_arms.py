@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from kinesics.body import kinematics
 from kinesics.synthesis.embodiment import blending
-from kinesics.synthesis.embodiment.arms import LEAST, SKIN, STEP, shoulders_and_arms
+from kinesics.synthesis.embodiment.arms import SKIN, STEP, Span, least_turn, pairs_of_arms, shoulders_of
 from kinesics.synthesis.embodiment.ranges import Ranges
 from kinesics.synthesis.embodiment.stage import Stage
 
@@ -31,9 +31,7 @@ class ClearArms:
 
     def __init__(self, stage: Stage) -> None:
         self._skeleton, self._ranges = stage.repertoire.skeleton, Ranges.of(stage)
-        self._shoulders, of_arms = shoulders_and_arms(stage)
-        pairs = np.array(stage.capsules.pairs, dtype=np.intp).reshape(-1, 2)
-        moved = of_arms[:, pairs[:, 0]] | of_arms[:, pairs[:, 1]]
+        self._shoulders, moved = shoulders_of(stage), pairs_of_arms(stage)
         kept = np.flatnonzero(moved.any(axis=0))
         self._capsules = dataclasses.replace(stage.capsules, pairs=tuple(stage.capsules.pairs[n] for n in kept))
         self._deepest, self._moved = stage.deepest[kept] + SKIN, moved[:, kept]
@@ -57,10 +55,7 @@ class ClearArms:
                 tried[3 * k : 3 * k + 3, joint] = blending.add_rotation(self._middle[k], at[k] + STEP * np.eye(3))
             found = self._over(tried)[:, worst].reshape(2, 3)
             change = np.where(np.isfinite(found), found - over[worst], 0.0) / STEP
-            # no component that is at the end of its range helps
-            room = np.where(change > 0.0, at - self._low, self._high - at)
-            change *= (room > STEP) & self._moved[:, worst, None]
-            asked = at - change * over[worst] / max(float(np.square(change).sum()), LEAST)
+            asked = at + least_turn(change, over[worst], self._moved[:, worst], Span(at, self._low, self._high))
             at = np.stack(
                 [self._ranges.within(int(j), v[None])[0] for j, v in zip(self._shoulders, asked, strict=True)]
             )
